@@ -7,6 +7,7 @@
 // (or optional) a number with unit, int a whole number, bool, std::string the name of a file, ChannelName a text,
 // NumberOrFile either, an enum one of words(Enum), which stands beside it.
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -26,6 +27,11 @@ using mtf::optional;
 using mtf::optional_row;
 using mtf::required;
 using mtf::required_row;
+
+/// "640 x 512", for messages.
+inline std::string size_of(std::int64_t width, std::int64_t height) {
+  return std::to_string(width) + " x " + std::to_string(height);
+}
 
 /// Rows of field tables that stand in no sensor file: name, unit, bounds and what it is, for checks and messages.
 /// From lo to hi, both allowed.

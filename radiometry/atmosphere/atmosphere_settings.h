@@ -14,7 +14,7 @@
 #include <optional>
 #include <string>
 
-#include "radiometry/atmosphere/haze.h"
+#include "radiometry/atmosphere/air.h"
 #include "radiometry/atmosphere/sight.h"
 #include "radiometry/fields.h"
 

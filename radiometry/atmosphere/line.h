@@ -15,7 +15,7 @@
 #include <optional>
 #include <vector>
 
-#include "radiometry/atmosphere/haze_impl.h"
+#include "radiometry/atmosphere/air_impl.h"
 
 namespace radiometry::atmosphere {
 

@@ -14,7 +14,7 @@
 
 #include <variant>
 
-#include "radiometry/atmosphere/haze.h"
+#include "radiometry/atmosphere/air.h"
 
 namespace radiometry::atmosphere {
 

@@ -242,8 +242,8 @@ Chain::Chain(const mtf::SensorPlan& plan, const mtf::System<double>& system, con
   const std::int64_t width = plan.out().width / steps, height = plan.out().height / steps;
   auto compiled = std::make_shared<CompiledChain>(plan, system, sensor, origin.x + width, origin.y + height);
   if (width * steps != plan.out().width || height * steps != plan.out().height)
-    refuse("[microscan]", "the image is not a whole number of " + std::to_string(steps) + " x " +
-                              std::to_string(steps) + " positions; give frame.format, or a scene of whole pitches");
+    refuse("[microscan]", "the image is not a whole number of " + size_of(steps, steps) +
+                              " positions; give frame.format, or a scene of whole pitches");
   if (before != nullptr) {
     const auto& owner = before->compiled_->corrected_by ? before->compiled_->corrected_by : before->compiled_;
     if (sensor.settings.correction && owner->settings.correction && owner->plan.out() == compiled->plan.out() &&

@@ -2,7 +2,7 @@
 
 // What differs from pixel to pixel in a chain, for the pixels of an image or of a tile: maps from files are cut, random
 // ones are made from the numbers of each pixel's place on the detector. With it the light of the camera itself: warm
-// optics and housing, and the closed shutter of a thermal camera over a sequence (stages/detector/shutter_events.h).
+// optics and housing, and the closed shutter of a thermal camera over a sequence (thermal_settings.h).
 
 #include <limits>
 

@@ -85,9 +85,8 @@ void multiply_add(mtf::Image& image, const Linear& gain, const Linear& offset, i
   const std::int64_t width = image.width();
   for (const SharedMap& map : {gain.map, offset.map})
     if (map && (map->width() * steps != width || map->height() * steps != image.height()))
-      throw mtf::UsageError("a map of " + std::to_string(map->width()) + " x " + std::to_string(map->height()) +
-                            " pixels for an image of " + std::to_string(width) + " x " +
-                            std::to_string(image.height()));
+      throw mtf::UsageError("a map of " + size_of(map->width(), map->height()) + " pixels for an image of " +
+                            size_of(width, image.height()));
   const std::vector<float> ones(static_cast<std::size_t>(width), 1.0F);
   mtf::parallel_for(image.height(), kRowsAtOnce, threads, [&](std::int64_t begin, std::int64_t end) {
     std::vector<float> wide_gains, wide_offsets;

@@ -21,7 +21,6 @@
 #include "radiometry/stages/detector/microscan.h"
 #include "radiometry/stages/detector/nonlinearity.h"
 #include "radiometry/stages/detector/shutter.h"
-#include "radiometry/stages/detector/shutter_events.h"
 #include "radiometry/stages/noise/blinking.h"
 #include "radiometry/stages/noise/fixed_pattern.h"
 #include "radiometry/stages/noise/flicker.h"

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "radiometry/chain/thermal_numbers.h"
+#include "radiometry/chain/sensor_numbers.h"
 
 namespace radiometry {
 namespace {

@@ -5,7 +5,7 @@
 //   shot       sqrt(electrons), of scene and path, of the background (optics, stop), of the dark current
 //   read, kTC  as given; kTC = sqrt(k T C) / q for a capacitance that is reset
 //   quantisation   rounding to counts of one step: step / sqrt(12) where the noise before it dithers (0.4 steps),
-//                  below, the mean over all signals (rounding_noise.h), and the rest of step^2 / 12 is spatial
+//                  below, the mean over all signals (RoundingNoise), and the rest of step^2 / 12 is spatial
 // Spatial terms: responsivity (PRNU x electrons of light), offset and dark charge (DSNU and DCNU), both after
 // correction (correction_residual.h says what a two-point correction leaves), the noise of the flat frames that it was
 // made from, and the error of rounding that no noise dithers.
@@ -24,12 +24,38 @@
 #include <string>
 #include <vector>
 
+#include "mtf/component.h"
 #include "radiometry/light/constants.h"
 #include "radiometry/light/signal.h"
-#include "radiometry/performance/rounding_noise.h"
 #include "radiometry/stages/detector/saturation.h"
 
 namespace radiometry {
+
+// The noise of rounding to whole steps behind Gaussian noise of s steps rms, as the mean over all places of the signal
+// between two steps. With y = round(m + s n), V(m) and b(m) the variance and the bias of y at the signal m:
+//   mean of b^2 = B(s) = sum over k >= 1 of exp(-4 pi^2 k^2 s^2)/(2 pi^2 k^2),  1/12 at s = 0, 9e-5 at s = 0.4
+//   mean of V   = s^2 + 1/12 - B,  s/sqrt(pi) below s = 0.05
+//   dE[y]/dm    = 1 + 2 sum of (-1)^k cos(2 pi k m) exp(-2 pi^2 k^2 s^2): 1 in the mean, least in the middle of a step
+// The mean square of y - m is s^2 + 1/12 at any s; what of it does not change from frame to frame is an error that
+// stays. Sheppard's 1/12 is a temporal noise where s dithers, from some 0.4 on. Below, most signals give one count
+// without noise, and a change of the signal by less than a step may change nothing.
+// (Widrow and Kollar, Quantization Noise, Cambridge 2008, chs. 4 and 19.)
+
+/// Values in steps^2, slopes by s.
+struct RoundingNoise {
+  mtf::ValueSlope temporal;  ///< mean of V less s^2: what rounding adds to the noise from frame to frame
+  mtf::ValueSlope fixed;     ///< B: of the error that stays
+  double response = 1.0;     ///< least dE[y]/dm, 0 to 1: a small change shows as that part of itself at some signals
+};
+
+/// `noise_steps`: s, 0 or above.
+RoundingNoise rounding_noise(double noise_steps);
+
+/// s of the whole temporal noise s^2 + 1/12 - B (its square, in steps^2, 0 or above), the inverse of the above.
+mtf::ValueSlope noise_before_rounding(double temporal_steps2);
+
+/// The least response from which on noise counts as dithering: s = 0.39.
+inline constexpr double kDitheredResponse = 0.9;
 
 /// Noise sources beside shot noise, rms electrons but for prnu.
 template <class S>

@@ -33,17 +33,15 @@ MirrorRays mirror_rays(const RenderScene& scene, const Camera& camera, const Vis
   if (out.size() == 0) return out;
   const scene::Beam up(*scene.rays, {0.0, 0.0, 1.0});  // for its lift above surfaces
   std::vector<Ray> rays(out.size());
-  mtf::parallel_for(static_cast<std::int64_t>(out.size()), 1 << 12, threads, [&](std::int64_t begin, std::int64_t end) {
-    for (auto k = static_cast<std::size_t>(begin); k < static_cast<std::size_t>(end); ++k) {
-      const SamplePart& part = parts.band[out.of[k].band][out.of[k].part];
-      const PlaceInScene place = place_of(scene, camera, part, parts.n);
-      const double cosine = std::max(0.0, -scene::dot(place.direction, place.normal));
-      out.relative[k] =
-          static_cast<float>(relative_emissivity(scene.finish[scene.finish_of[part.side]].by_angle, cosine));
-      const Vector mirrored = place.direction + (2.0 * cosine) * place.normal;
-      out.rise[k] = static_cast<float>(mirrored[2]);
-      rays[k] = {place.point + up.lift_m() * place.normal, mirrored};
-    }
+  mtf::parallel_for_each(static_cast<std::int64_t>(out.size()), 1 << 12, threads, [&](std::size_t k) {
+    const SamplePart& part = parts.band[out.of[k].band][out.of[k].part];
+    const PlaceInScene place = place_of(scene, camera, part, parts.n);
+    const double cosine = std::max(0.0, -scene::dot(place.direction, place.normal));
+    out.relative[k] =
+        static_cast<float>(relative_emissivity(scene.finish[scene.finish_of[part.side]].by_angle, cosine));
+    const Vector mirrored = place.direction + (2.0 * cosine) * place.normal;
+    out.rise[k] = static_cast<float>(mirrored[2]);
+    rays[k] = {place.point + up.lift_m() * place.normal, mirrored};
   });
   std::vector<Hit> met(out.size());
   scene.rays->first_hits(rays, met, threads);

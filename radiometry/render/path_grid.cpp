@@ -239,9 +239,8 @@ PathGrid path_grid(const AirView& view, const BandNodes& nodes, const PathExtent
 
 PathGrid seen_from(const AirView& view, const PathGrid& grid, int threads) {
   PathGrid out = grid;
-  mtf::parallel_for(static_cast<std::int64_t>(grid.node.size()), 1, threads, [&](std::int64_t begin, std::int64_t end) {
-    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
-      out.node[i] = view.to(std::pow(grid.root[i % grid.roots()], 2), grid.height_m[i / grid.roots()]);
+  mtf::parallel_for_each(static_cast<std::int64_t>(grid.node.size()), 1, threads, [&](std::size_t i) {
+    out.node[i] = view.to(std::pow(grid.root[i % grid.roots()], 2), grid.height_m[i / grid.roots()]);
   });
   return out;
 }

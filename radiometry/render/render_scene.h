@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "radiometry/atmosphere/haze.h"
+#include "radiometry/atmosphere/air.h"
 #include "radiometry/light/angular_emissivity.h"
 #include "radiometry/light/spectrum.h"
 #include "radiometry/scene/rays.h"

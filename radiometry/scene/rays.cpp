@@ -109,18 +109,16 @@ OppositeFacets opposite_facets(const Rays& rays, std::span<const std::uint32_t> 
   OppositeFacets found{.opposite = std::vector<std::uint32_t>(wanted.size(), kNone),
                        .distance_m = std::vector<double>(wanted.size(), 0.0)};
   const auto closed = [&](std::uint32_t f) { return facets.shells[facets.facet[f].shell].closed; };
-  mtf::parallel_for(static_cast<std::int64_t>(wanted.size()), 1024, threads, [&](std::int64_t begin, std::int64_t end) {
-    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
-      if (!closed(wanted[i])) continue;
-      const Facet& facet = facets.facet[wanted[i]];
-      const Vector inwards = -1.0 * facet.normal;
-      const Point start = on_facet(facets, wanted[i]) + rays.embree().lift_m() * inwards;
-      const Hit hit = rays.first_hit({start, inwards});
-      const double distance = hit.distance_m + rays.embree().lift_m();
-      if (!hits(hit) || !hit.back || distance > thickness_m || !closed(hit.facet)) continue;
-      found.opposite[i] = hit.facet;
-      found.distance_m[i] = distance;
-    }
+  mtf::parallel_for_each(static_cast<std::int64_t>(wanted.size()), 1024, threads, [&](std::size_t i) {
+    if (!closed(wanted[i])) return;
+    const Facet& facet = facets.facet[wanted[i]];
+    const Vector inwards = -1.0 * facet.normal;
+    const Point start = on_facet(facets, wanted[i]) + rays.embree().lift_m() * inwards;
+    const Hit hit = rays.first_hit({start, inwards});
+    const double distance = hit.distance_m + rays.embree().lift_m();
+    if (!hits(hit) || !hit.back || distance > thickness_m || !closed(hit.facet)) return;
+    found.opposite[i] = hit.facet;
+    found.distance_m[i] = distance;
   });
   found.unpaired = static_cast<std::size_t>(std::count(found.opposite.begin(), found.opposite.end(), kNone));
   return found;

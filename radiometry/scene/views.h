@@ -12,7 +12,7 @@
 //
 // Rays start at points spread over the surface, in directions spread by the cosine law: R4, the additive recurrence of
 // Roberts ("The unreasonable effectiveness of quasirandom sequences", 2018), rotated by a hash of the receiver. What a
-// surface would see of each ring without obstacles is known in closed form (zenith_rings.h); rays only measure which
+// surface would see of each ring without obstacles is known in closed form (ZenithRings); rays only measure which
 // part of a ring is hidden (post-stratification, Cochran, Sampling Techniques, 1977, section 5A.9). Of a ring
 // that no ray went to, as much is hidden as of the nearest one that has rays. So the view of a surface without
 // obstacles is exact, and shares sum to 1 to rounding.
@@ -27,6 +27,32 @@
 #include "radiometry/scene/rays.h"
 
 namespace radiometry::scene {
+
+// Zenith rings: the sky divided at equal steps of the zenith angle, and what a tilted plane sees of them.
+
+/// The view factor from a small plane whose normal is tilted from the zenith (cosine of the tilt `cos_tilt`) to the
+/// part of the sky within the angle `zenith_rad` of the zenith, up to a right angle; what lies behind the plane is not
+/// seen. It is that of a sphere that subtends this angle (Juul, "View factors in radiation between two parallel
+/// oriented cylinders and spheres", and Howell, Catalog of Radiation Heat Transfer Configuration Factors, B-17):
+///   cos(b) sin^2(t)                                                                              b <= pi/2 - t
+///   1/2 - asin(cos t / sin b) / pi
+///     + [cos(b) sin^2(t) acos(-cot t cot b) - cos(t) sqrt(sin^2 t - cos^2 b)] / pi               between
+///   0                                                                                            b >= pi/2 + t
+double cap_share(double cos_tilt, double zenith_rad);
+
+/// The rings of a table: 90 deg / rings wide each.
+class ZenithRings {
+ public:
+  explicit ZenithRings(int rings);
+  int rings() const { return static_cast<int>(cosine_.size()); }
+  /// The zone of a direction of length 1 with this upward component: its ring, or rings() for below the horizon.
+  int zone(double up) const;
+  /// View factors from a plane to the zones, rings first, then the ground; they sum to 1. Times `weight` onto `zones`.
+  void add_shares(double cos_tilt, double weight, std::span<double> zones) const;
+
+ private:
+  std::vector<double> zenith_rad_, cosine_;  // outer limit of each ring
+};
 
 struct ViewOptions {
   int rings = 9;  ///< 1 to 90

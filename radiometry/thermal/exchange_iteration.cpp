@@ -42,19 +42,17 @@ struct StartError {
 void HeatBatches::add_emitted(const Group& group, const heat::Run& run, std::vector<double>& emitted) const {
   const scene::Exchange& exchange = units_.exchange;
   const std::size_t patches = exchange.patches(), units = group.unit.size();
-  mtf::parallel_for(static_cast<std::int64_t>(light_.moments()), 8, threads_,
-                    [&](std::int64_t begin, std::int64_t end) {
-                      for (auto m = static_cast<std::size_t>(begin); m < static_cast<std::size_t>(end); ++m)
-                        for (std::size_t i = 0; i < units; ++i) {
-                          const Unit& unit = units_.unit[group.unit[i]];
-                          const auto side = [&](std::size_t r, double kelvin_here) {
-                            const double square = kelvin_here * kelvin_here;
-                            emitted[m * patches + exchange.patch_of[r]] += emission_[r] * square * square;
-                          };
-                          side(unit.receiver, run.front_k[m * units + i]);
-                          if (unit.has_own_back()) side(unit.back_receiver, run.back_k[m * units + i]);
-                        }
-                    });
+  mtf::parallel_for_each(static_cast<std::int64_t>(light_.moments()), 8, threads_, [&](std::size_t m) {
+    for (std::size_t i = 0; i < units; ++i) {
+      const Unit& unit = units_.unit[group.unit[i]];
+      const auto side = [&](std::size_t r, double kelvin_here) {
+        const double square = kelvin_here * kelvin_here;
+        emitted[m * patches + exchange.patch_of[r]] += emission_[r] * square * square;
+      };
+      side(unit.receiver, run.front_k[m * units + i]);
+      if (unit.has_own_back()) side(unit.back_receiver, run.back_k[m * units + i]);
+    }
+  });
 }
 
 heat::OutputSink HeatBatches::keeper_of(const std::vector<std::uint32_t>& units) {
@@ -73,20 +71,17 @@ std::vector<double> HeatBatches::emitted_by_all() const {
   const scene::Exchange& exchange = units_.exchange;
   const std::size_t patches = exchange.patches();
   std::vector<double> emitted(light_.moments() * patches, 0.0);
-  mtf::parallel_for(static_cast<std::int64_t>(light_.moments()), 8, threads_,
-                    [&](std::int64_t begin, std::int64_t end) {
-                      for (auto m = static_cast<std::size_t>(begin); m < static_cast<std::size_t>(end); ++m) {
-                        const double* kelvin = receiver_k_.data() + m * exchange.receivers();
-                        for (std::size_t p = 0; p < patches; ++p) {
-                          double sum = 0.0;
-                          for (std::uint32_t i = emitting_.first[p]; i < emitting_.first[p + 1]; ++i) {
-                            const double square = kelvin[emitting_.receiver[i]] * kelvin[emitting_.receiver[i]];
-                            sum += emitting_.emission[i] * square * square;
-                          }
-                          emitted[m * patches + p] = sum;
-                        }
-                      }
-                    });
+  mtf::parallel_for_each(static_cast<std::int64_t>(light_.moments()), 8, threads_, [&](std::size_t m) {
+    const double* kelvin = receiver_k_.data() + m * exchange.receivers();
+    for (std::size_t p = 0; p < patches; ++p) {
+      double sum = 0.0;
+      for (std::uint32_t i = emitting_.first[p]; i < emitting_.first[p + 1]; ++i) {
+        const double square = kelvin[emitting_.receiver[i]] * kelvin[emitting_.receiver[i]];
+        sum += emitting_.emission[i] * square * square;
+      }
+      emitted[m * patches + p] = sum;
+    }
+  });
   return emitted;
 }
 

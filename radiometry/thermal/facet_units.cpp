@@ -133,7 +133,7 @@ std::vector<double> largest_direct(const Surroundings& s) {
 /// Largest irradiances of the run. Long-wave shares sum to 1, so that only differences matter, here those from the sky:
 /// it is colder than the air; ground and other surfaces may be warmer than the air, by as much as a given temperature
 /// or an inside is, or, where only the sun heats them, as the sky is colder. What facets of a unit see differently is
-/// measured afterwards (unit_errors.h).
+/// measured afterwards (ViewSpread).
 geometry::FluxAmplitudes amplitudes_of(const HeatScene& scene, int rings) {
   const Surroundings& s = scene.surroundings;
   geometry::FluxAmplitudes a;
@@ -212,7 +212,7 @@ geometry::Classes patches_of(const HeatScene& scene, const std::vector<Side>& si
 
 /// Two facets that see equal shares of other surfaces may see warmer and colder ones. So surfaces are sorted into a few
 /// kinds of like flux, and the keys get the shares of the view that each kind has, in steps: of the tolerance, but no
-/// finer than sampling resolves. What remains is measured (unit_errors.h).
+/// finer than sampling resolves. What remains is measured (ViewSpread).
 void add_seen_kinds(const HeatScene& scene, const std::vector<Side>& sides, const geometry::Views& seen,
                     const geometry::SunVisibility& sun, const geometry::FluxAmplitudes& amplitudes,
                     double tolerance_w_m2, const HeatOptions& options, std::vector<geometry::SideFinish>& finish) {

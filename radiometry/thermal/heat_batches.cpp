@@ -254,9 +254,8 @@ heat::Plan HeatBatches::make_plan_of(const Batch& batch) {
 }
 
 void HeatBatches::make_plans() {
-  mtf::parallel_for(static_cast<std::int64_t>(batches_.size()), 1, threads_, [&](std::int64_t begin, std::int64_t end) {
-    for (auto b = static_cast<std::size_t>(begin); b < static_cast<std::size_t>(end); ++b)
-      if (!batches_[b].sample.plan) batches_[b].sample.plan = make_plan_of(batches_[b]);
+  mtf::parallel_for_each(static_cast<std::int64_t>(batches_.size()), 1, threads_, [&](std::size_t b) {
+    if (!batches_[b].sample.plan) batches_[b].sample.plan = make_plan_of(batches_[b]);
   });
 }
 

@@ -17,7 +17,7 @@
 // difference.
 //
 // Where only a part of the scene is asked for (HeatScene::seen), "all units" are those and the sample: a patch that is
-// not asked for emits what its sample does (unit_errors.h).
+// not asked for emits what its sample does (LeftOut).
 
 #include <optional>
 

@@ -1,23 +1,104 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "radiometry/thermal/heat_scene.h"
 
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <set>
+
 #include "mtf/error.h"
+#include "mtf/parallel.h"
 #include "mtf/words.h"
 #include "mtf/work/stopwatch.h"
 #include "radiometry/scene/rays.h"
 #include "radiometry/scene/views.h"
-#include "radiometry/thermal/limits.h"
-#include "radiometry/thermal/seen_facets.h"
+#include "radiometry/weather/instant.h"
 
 namespace radiometry::thermal {
 namespace {
+
+namespace geometry = radiometry::scene;
+using geometry::Point, geometry::Vector;
+using geometry::operator-, geometry::operator+, geometry::operator*;
+
+// What a camera sees.
+// Lines go to seven points of every triangle that may face the camera: its middle, three near its corners and three
+// near the middles of its edges. Every facet that one of them meets first is seen, whichever it was sent to. Of a facet
+// that is hidden but for less than the distance of these points nothing may be met, so that facets which share a corner
+// with a seen one, and may face the camera, count as seen too. A facet of a closed shell may face the camera where the
+// camera lies in front of its plane, or within the box around the shell. The facet on the other side of a wall belongs
+// to what is seen, because it is the other end of the same column.
+
+constexpr std::array<std::array<double, 3>, 7> kPoints{{{1.0 / 3, 1.0 / 3, 1.0 / 3},
+                                                        {0.9, 0.05, 0.05},
+                                                        {0.05, 0.9, 0.05},
+                                                        {0.05, 0.05, 0.9},
+                                                        {0.48, 0.48, 0.04},
+                                                        {0.04, 0.48, 0.48},
+                                                        {0.48, 0.04, 0.48}}};
+
+/// Whether the camera lies within the box around each shell: then it may stand inside of it.
+std::vector<bool> shells_around(const geometry::Facets& facets, const Point& camera) {
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  std::vector<Point> low(facets.shells.size(), {kFar, kFar, kFar}), high(facets.shells.size(), {-kFar, -kFar, -kFar});
+  for (std::size_t t = 0; t < facets.triangles.size(); ++t)
+    for (const std::uint32_t v : facets.triangles[t])
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const std::uint32_t shell = facets.facet[facets.facet_of[t]].shell;
+        low[shell][axis] = std::min(low[shell][axis], facets.vertices[v][axis]);
+        high[shell][axis] = std::max(high[shell][axis], facets.vertices[v][axis]);
+      }
+  std::vector<bool> around(facets.shells.size(), true);
+  for (std::size_t s = 0; s < around.size(); ++s)
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      if (camera[axis] < low[s][axis] || camera[axis] > high[s][axis]) around[s] = false;
+  return around;
+}
+
+/// Which facets may turn a side to the camera.
+std::vector<bool> facing_facets(const geometry::Facets& facets, const Point& camera) {
+  const std::vector<bool> around = shells_around(facets, camera);
+  std::vector<bool> may_face(facets.size());
+  for (std::size_t f = 0; f < facets.size(); ++f) {
+    const geometry::Facet& facet = facets.facet[f];
+    may_face[f] = !facets.shells[facet.shell].closed || around[facet.shell] ||
+                  geometry::dot(facet.normal, camera - facet.centre) > 0.0;
+  }
+  return may_face;
+}
+
+/// What lines from the camera to some facets meet first.
+void trace(const HeatScene& scene, const Point& camera, std::span<const std::uint32_t> targets,
+           std::vector<geometry::Hit>& met) {
+  const geometry::Facets& facets = scene.facets();
+  std::vector<geometry::Ray> rays;
+  for (const std::uint32_t f : targets)
+    for (std::uint64_t t = facets.first[f]; t < facets.first[f + 1]; ++t) {
+      const auto& [a, b, c] = facets.triangles[t];
+      for (const auto& at : kPoints) {
+        const Vector to = at[0] * facets.vertices[a] + at[1] * facets.vertices[b] + at[2] * facets.vertices[c] - camera;
+        if (geometry::length(to) > 0.0) rays.push_back({camera, to});
+      }
+    }
+  met.resize(rays.size());
+  scene.rays.first_hits(rays, met, 1);
+}
+
+/// Adds facets that share a corner with a seen one.
+void add_neighbours(const geometry::Facets& facets, const std::vector<bool>& may_face, std::vector<bool>& seen) {
+  std::vector<bool> corner(facets.vertices.size(), false);
+  for (std::size_t t = 0; t < facets.triangles.size(); ++t)
+    if (seen[facets.facet_of[t]])
+      for (const std::uint32_t v : facets.triangles[t]) corner[v] = true;
+  for (std::size_t t = 0; t < facets.triangles.size(); ++t)
+    if (const std::uint32_t f = facets.facet_of[t]; may_face[f] && !seen[f])
+      seen[f] = std::ranges::any_of(facets.triangles[t], [&](std::uint32_t v) { return corner[v]; });
+}
 
 // Walls of closed shells, inside.kind = "pair": heat passes from a facet through the layers to the opposite facet,
 // whose sun, sky, surroundings and wind are those of the other end. Every facet has a column of its own, of which its
 // own end is its temperature; the column of the facet opposite has the other. Facets without an opposite one within the
 // distance, as at the rims of a plate, are solved as adiabatic inside, and counted.
-
-namespace geometry = radiometry::scene;
 
 double thickness_m(const Material& surface) {
   double sum = 0.0;
@@ -133,7 +214,58 @@ void find_seen(HeatScene& scene, int threads) {
   scene.timing_ms.emplace_back("seen", watch.ms());
 }
 
+std::string number(double value, std::string_view unit) { return mtf::significant(value, 5) + " " + std::string(unit); }
+
+/// Winds of the weather that a closure of convection was not made for: each is said once.
+std::vector<std::string> wind_limits(const ThermalScene& scene, const Surroundings& s) {
+  std::vector<std::string> texts;
+  std::set<std::string> seen;  // closures
+  for (const Material& one : scene.materials) {
+    const auto validity = heat::wind_validity(one.construction.convection);
+    if (!validity || !seen.insert(name_of(one.construction.convection)).second) continue;
+    heat::Beyond beyond;
+    for (std::size_t k = 0; k < s.nodes(); ++k) beyond.see(*validity, s.wind_m_s[k], s.time_s[k]);
+    if (beyond.values > 0) texts.push_back(text_of(*validity, beyond, scene.start_s, ""));
+  }
+  return texts;
+}
+
 }  // namespace
+
+std::vector<bool> seen_facets(const HeatScene& scene, const Point& camera_m, int threads) {
+  constexpr std::int64_t kAtOnce = 1024;
+  const geometry::Facets& facets = scene.facets();
+  const auto count = static_cast<std::uint32_t>(facets.size());
+  const std::vector<bool> may_face = facing_facets(facets, camera_m);
+  std::vector<std::uint32_t> targets;
+  for (std::uint32_t f = 0; f < count; ++f)
+    if (may_face[f]) targets.push_back(f);
+  std::vector<std::vector<geometry::Hit>> met(targets.size() / kAtOnce + 1);
+  mtf::parallel_for(
+      static_cast<std::int64_t>(targets.size()), kAtOnce, threads, [&](std::int64_t begin, std::int64_t end) {
+        trace(scene, camera_m,
+              std::span(targets).subspan(static_cast<std::size_t>(begin), static_cast<std::size_t>(end - begin)),
+              met[static_cast<std::size_t>(begin / kAtOnce)]);
+      });
+  std::vector<bool> seen(count, false);
+  for (const std::vector<geometry::Hit>& some : met)
+    for (const geometry::Hit& hit : some)
+      if (geometry::hits(hit)) seen[hit.facet] = true;
+  add_neighbours(facets, may_face, seen);
+  const std::vector<bool> fronts = seen;
+  for (std::uint32_t f = 0; f < count; ++f)
+    if (const std::uint32_t opposite = scene.opposite_of(f); fronts[f] && opposite != geometry::kNone)
+      seen[opposite] = true;
+  return seen;
+}
+
+std::string text_of(const heat::Validity& validity, const heat::Beyond& beyond, double start_s,
+                    const std::string& where) {
+  return std::string(validity.closure) + ": " + where + "the " + std::string(validity.quantity) + " is outside of " +
+         number(validity.lo, validity.unit) + " ... " + number(validity.hi, validity.unit) + ", first at " +
+         heat::instant_text(start_s + beyond.first_s) + ", and comes to " + number(beyond.extreme, validity.unit) +
+         ": " + std::string(validity.beyond);
+}
 
 bool HeatScene::is_sheet(std::uint32_t facet) const {
   const Region& of = region_of(facet);

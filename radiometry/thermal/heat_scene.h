@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "radiometry/heat/surface_loss.h"
 #include "radiometry/scene/rays.h"
 #include "radiometry/thermal/surroundings.h"
 
@@ -25,7 +26,7 @@ struct HeatOptions {
   std::uint64_t sun_seed = 0;  ///< another one gives other points
   std::size_t patches = 500;   ///< that surfaces exchange radiation by, at most
   bool every_facet = false;    ///< no facets are solved as one but those that others cover
-  /// Temperatures of those facets alone that the camera of the scene can see (seen_facets.h), which it has to
+  /// Temperatures of those facets alone that the camera of the scene can see (seen_facets), which it has to
   /// have.
   bool seen = false;
   bool verify = false;  ///< the realised error too, by runs at a tenth of the tolerance; all facets for tables
@@ -74,6 +75,15 @@ struct HeatScene {
   /// Index into `material`, for a facet of a region with one.
   std::size_t material_of(std::uint32_t facet) const;
 };
+
+/// What a value is told by that the model of a heat balance does not hold for, with the first time and the extreme:
+/// "convection mcadams: wind of 60 m/s, from 2026-06-21T12:00:00Z on ...".
+std::string text_of(const heat::Validity& validity, const heat::Beyond& beyond, double start_s,
+                    const std::string& where);
+
+/// Of each facet, whether a camera can see it: whether it is met first by a straight line from its position, in
+/// whichever direction, since a scene file does not limit the field of view.
+std::vector<bool> seen_facets(const HeatScene& scene, const scene::Point& camera_m, int threads);
 
 /// Checks the scene, and makes what its heat balance needs. Throws UsageError as require_valid and require_weather, and
 /// where what the camera sees is asked for and there is none, or it sees nothing.

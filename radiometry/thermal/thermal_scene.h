@@ -22,7 +22,6 @@
 #include "radiometry/thermal/temperature_rows.h"
 #include "radiometry/weather/instant.h"
 #include "radiometry/weather/sun.h"
-#include "radiometry/weather/value_schedule.h"
 #include "radiometry/weather/weather_series.h"
 
 namespace radiometry::thermal {

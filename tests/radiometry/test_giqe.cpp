@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "radiometry/performance/ground_resolution.h"
+#include "radiometry/performance/giqe.h"
 #include "tests/expect_error.h"
 #include "tests/radiometry/performance_cases.h"
 

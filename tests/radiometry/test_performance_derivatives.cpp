@@ -4,7 +4,6 @@
 
 #include "radiometry/performance/acquisition.h"
 #include "radiometry/performance/giqe.h"
-#include "radiometry/performance/ground_resolution.h"
 #include "radiometry/performance/mdtd.h"
 #include "radiometry/performance/thermal_detector.h"
 #include "radiometry/performance/ttp.h"

@@ -3,7 +3,6 @@
 
 #include <cmath>
 
-#include "radiometry/performance/rounding_noise.h"
 #include "radiometry/performance/sensitivity.h"
 
 namespace radiometry {

@@ -22,7 +22,6 @@
 #include "radiometry/light/angular_emissivity.h"
 #include "radiometry/light/spectrum.h"
 #include "radiometry/weather/instant.h"
-#include "radiometry/weather/value_schedule.h"
 #include "radiometry/weather/weather.h"
 #include "radiometry/weather/weather_series.h"
 

@@ -17,7 +17,7 @@
 
 #include "apps/scene/weather/si_units.h"
 #include "apps/scene/weather/weather_file.h"
-#include "radiometry/weather/value_schedule.h"
+#include "radiometry/weather/weather_series.h"
 
 namespace apps::scene {
 

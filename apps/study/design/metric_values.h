@@ -11,7 +11,6 @@
 #include "mtf/metrics/resolution.h"
 #include "mtf/otf/otf_parts.h"
 #include "radiometry/performance/giqe.h"
-#include "radiometry/performance/ground_resolution.h"
 #include "radiometry/performance/sensitivity.h"
 #include "radiometry/performance/target_at_range.h"
 

@@ -9,7 +9,7 @@
 #include "mtf/error.h"
 #include "mtf/parallel.h"
 #include "mtf/units.h"
-#include "radiometry/scene/tracing/zenith_rings.h"
+#include "radiometry/scene/views.h"
 
 namespace radiometry::render {
 namespace {

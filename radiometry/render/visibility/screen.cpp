@@ -130,9 +130,7 @@ void Screen::place(const RenderScene& scene, const Camera& camera, int n, std::s
       work(static_cast<std::size_t>(band));
   };
   const auto each_chunk = [&](const auto& work) {
-    mtf::parallel_for(static_cast<std::int64_t>(chunks), 1, threads, [&](std::int64_t begin, std::int64_t end) {
-      for (auto chunk = static_cast<std::size_t>(begin); chunk < static_cast<std::size_t>(end); ++chunk) work(chunk);
-    });
+    mtf::parallel_for_each(static_cast<std::int64_t>(chunks), 1, threads, [&](std::size_t chunk) { work(chunk); });
   };
   seen_.resize(triangles);
   std::vector<std::size_t> count(chunks);
@@ -167,15 +165,12 @@ void Screen::place_corners(const Camera& camera, int threads) {
   const std::vector<Point>& vertices = scene_->facets().vertices;
   corner_.resize(vertices.size());
   const double per_x = 1.0 / camera.step_x, per_y = 1.0 / camera.step_y;
-  mtf::parallel_for(static_cast<std::int64_t>(vertices.size()), 1 << 14, threads,
-                    [&](std::int64_t begin, std::int64_t end) {
-                      for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
-                        const Vector v = vertices[i] - camera.position;
-                        const double w = scene::dot(v, camera.ahead);
-                        corner_[i] = {per_x * scene::dot(v, camera.right) + camera.axis_x * w,
-                                      per_y * scene::dot(v, camera.down) + camera.axis_y * w, w};
-                      }
-                    });
+  mtf::parallel_for_each(static_cast<std::int64_t>(vertices.size()), 1 << 14, threads, [&](std::size_t i) {
+    const Vector v = vertices[i] - camera.position;
+    const double w = scene::dot(v, camera.ahead);
+    corner_[i] = {per_x * scene::dot(v, camera.right) + camera.axis_x * w,
+                  per_y * scene::dot(v, camera.down) + camera.axis_y * w, w};
+  });
 }
 
 std::size_t Screen::find_seen(std::uint32_t begin, std::uint32_t end, Seen* out) const {

@@ -112,9 +112,9 @@ Clipped digitise_to(mtf::ImageView<const float> electrons, const Adc& adc, mtf::
                     int threads) {
   const Scale scale = scale_of(adc);
   if (electrons.width != counts.width || electrons.height != counts.height)
-    throw mtf::UsageError("digitise_to: an image of " + std::to_string(electrons.width) + " x " +
-                          std::to_string(electrons.height) + " electrons into one of " + std::to_string(counts.width) +
-                          " x " + std::to_string(counts.height) + " counts; give both one size");
+    throw mtf::UsageError("digitise_to: an image of " + size_of(electrons.width, electrons.height) +
+                          " electrons into one of " + size_of(counts.width, counts.height) +
+                          " counts; give both one size");
   return over_rows(electrons.height, threads, [&](std::int64_t y, Clipped& clipped) {
     convert_row(scale, electrons.width, electrons.row(y), counts.row(y), clipped);
   });

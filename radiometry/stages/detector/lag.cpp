@@ -11,9 +11,8 @@ void apply_lag(mtf::ImageView<float> frame, const Lag& lag, double frame_time_s,
     throw mtf::UsageError("lag: " + mtf::format_double(frame_time_s) + " s from frame to frame; it has to be above 0");
   const bool first = state.level.empty();
   if (!first && (frame.width != state.width || frame.height != state.height))
-    throw mtf::UsageError("lag: a frame of " + std::to_string(frame.width) + " x " + std::to_string(frame.height) +
-                          " pixels after frames of " + std::to_string(state.width) + " x " +
-                          std::to_string(state.height) + "; give all one size");
+    throw mtf::UsageError("lag: a frame of " + size_of(frame.width, frame.height) + " pixels after frames of " +
+                          size_of(state.width, state.height) + "; give all one size");
   if (first) {
     state.width = frame.width;
     state.height = frame.height;

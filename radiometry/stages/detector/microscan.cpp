@@ -55,9 +55,8 @@ mtf::Image microscan_frame(mtf::ImageView<const float> fine, const Microscan& mi
   require_position(microscan, position);
   const std::int64_t n = microscan.steps;
   if (fine.width < n || fine.height < n || fine.width % n != 0 || fine.height % n != 0)
-    throw UsageError("microscan: an image of " + std::to_string(fine.width) + " x " + std::to_string(fine.height) +
-                     " samples is not a whole number of pitches of " + std::to_string(n) + " x " + std::to_string(n) +
-                     "; crop it");
+    throw UsageError("microscan: an image of " + size_of(fine.width, fine.height) +
+                     " samples is not a whole number of pitches of " + size_of(n, n) + "; crop it");
   const Cell cell = place_of(microscan, position);
   mtf::Image frame(fine.width / n, fine.height / n);
   for (std::int64_t y = 0; y < frame.height(); ++y)
@@ -73,9 +72,8 @@ mtf::Image microscan_interlace(std::span<const mtf::Image> frames, const Microsc
   const std::int64_t n = microscan.steps, width = frames[0].width(), height = frames[0].height();
   for (const mtf::Image& frame : frames)
     if (frame.width() != width || frame.height() != height || frame.size() == 0)
-      throw UsageError("microscan: frames of " + std::to_string(width) + " x " + std::to_string(height) + " and " +
-                       std::to_string(frame.width()) + " x " + std::to_string(frame.height()) +
-                       " pixels; give all one size");
+      throw UsageError("microscan: frames of " + size_of(width, height) + " and " +
+                       size_of(frame.width(), frame.height()) + " pixels; give all one size");
   mtf::Image fine(n * width, n * height);
   for (std::size_t k = 0; k < frames.size(); ++k) {
     const Cell cell = place_of(microscan, static_cast<int>(k));

@@ -30,9 +30,8 @@ void apply_shutter(mtf::ImageView<float> frame, const Shutter& shutter, double f
   const mtf::Image before = std::move(state.before);
   const bool first = before.size() == 0;
   if (!first && (before.width() != frame.width || before.height() != frame.height))
-    throw UsageError("shutter: a frame of " + std::to_string(frame.width) + " x " + std::to_string(frame.height) +
-                     " pixels after one of " + std::to_string(before.width()) + " x " +
-                     std::to_string(before.height()) + "; give all one size");
+    throw UsageError("shutter: a frame of " + size_of(frame.width, frame.height) + " pixels after one of " +
+                     size_of(before.width(), before.height()) + "; give all one size");
   state.before = mtf::Image(frame.width, frame.height);
   for (std::int64_t y = 0; y < frame.height; ++y) {
     float* row = frame.row(y);

@@ -64,8 +64,7 @@ std::vector<BlinkingPixel> apply_blinking(mtf::ImageView<float> image, std::span
   for (const BlinkingPixel& pixel : pixels) {
     if (pixel.x < 0 || pixel.y < 0 || pixel.x >= image.width || pixel.y >= image.height)
       throw mtf::UsageError("blinking: pixel " + std::to_string(pixel.x) + ", " + std::to_string(pixel.y) +
-                            " is outside an image of " + std::to_string(image.width) + " x " +
-                            std::to_string(image.height));
+                            " is outside an image of " + size_of(image.width, image.height));
     if (!is_high(blinking, key, origin.x + pixel.x, origin.y + pixel.y)) continue;
     image.at(pixel.x, pixel.y) += pixel.excess_e;
     high.push_back(pixel);

@@ -36,9 +36,8 @@ void require_defects(const Defects& defects) {
 template <class Combine>
 void with_map(mtf::ImageView<float> image, mtf::ImageView<const float> map, int threads, Combine combine) {
   if (map.width != image.width || map.height != image.height)
-    throw mtf::UsageError("a map of " + std::to_string(map.width) + " x " + std::to_string(map.height) +
-                          " pixels for an image of " + std::to_string(image.width) + " x " +
-                          std::to_string(image.height) + "; give one of its size");
+    throw mtf::UsageError("a map of " + size_of(map.width, map.height) + " pixels for an image of " +
+                          size_of(image.width, image.height) + "; give one of its size");
   for_each_pixel(image, map, threads, combine);
 }
 
@@ -138,8 +137,7 @@ void apply_defects(mtf::ImageView<float> image, std::span<const DefectivePixel> 
   for (const DefectivePixel& pixel : pixels) {
     if (pixel.x < 0 || pixel.y < 0 || pixel.x >= image.width || pixel.y >= image.height)
       throw mtf::UsageError("defects: pixel " + std::to_string(pixel.x) + ", " + std::to_string(pixel.y) +
-                            " is outside an image of " + std::to_string(image.width) + " x " +
-                            std::to_string(image.height));
+                            " is outside an image of " + size_of(image.width, image.height));
     float& value = image.at(pixel.x, pixel.y);
     value = pixel.dead ? 0.0F : value + pixel.excess_e;
   }

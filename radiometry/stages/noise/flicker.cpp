@@ -30,8 +30,7 @@ int octaves(std::int64_t columns, std::int64_t rows) {
 void require_detector(const Flicker& flicker, std::int64_t columns, std::int64_t rows) {
   require_valid("flicker", flicker);
   if (columns < 1 || rows < 1 || columns > (std::int64_t{1} << 62) / rows)
-    throw UsageError("flicker: a detector of " + std::to_string(columns) + " x " + std::to_string(rows) +
-                     " pixels; it needs from 1 to 2^62 of them");
+    throw UsageError("flicker: a detector of " + size_of(columns, rows) + " pixels; it needs from 1 to 2^62 of them");
 }
 
 Stream stream_of(int octave) {
@@ -125,9 +124,9 @@ void add_flicker(mtf::ImageView<float> image, const Flicker& flicker, std::int64
   require_detector(flicker, columns, rows);
   if (origin.x < 0 || origin.y < 0 || image.width > columns || image.height > rows ||
       origin.x > columns - image.width || origin.y > rows - image.height)
-    throw UsageError("flicker: a region of " + std::to_string(image.width) + " x " + std::to_string(image.height) +
-                     " pixels from column " + std::to_string(origin.x) + ", row " + std::to_string(origin.y) +
-                     " is outside a detector of " + std::to_string(columns) + " x " + std::to_string(rows));
+    throw UsageError("flicker: a region of " + size_of(image.width, image.height) + " pixels from column " +
+                     std::to_string(origin.x) + ", row " + std::to_string(origin.y) + " is outside a detector of " +
+                     size_of(columns, rows));
   const double density = flicker.white_e * flicker.white_e * flicker.corner_cy_px;
   if (density == 0.0 || image.width == 0 || image.height == 0) return;
   std::vector<Octave> parts;

@@ -41,16 +41,15 @@ void add_noise_3d(mtf::ImageView<float> image, const Noise3d& noise, const Noise
 
 Noise3dEstimator::Noise3dEstimator(std::int64_t width, std::int64_t height) : width_(width), height_(height) {
   if (width < 2 || height < 2)
-    throw mtf::UsageError("3-D noise of frames of " + std::to_string(width) + " x " + std::to_string(height) +
+    throw mtf::UsageError("3-D noise of frames of " + size_of(width, height) +
                           " pixels; at least two columns and two rows are needed");
   pixel_.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), 0.0);
 }
 
 void Noise3dEstimator::add(mtf::ImageView<const float> frame) {
   if (frame.width != width_ || frame.height != height_)
-    throw mtf::UsageError("3-D noise: a frame of " + std::to_string(frame.width) + " x " +
-                          std::to_string(frame.height) + " among frames of " + std::to_string(width_) + " x " +
-                          std::to_string(height_) + "; give all one size");
+    throw mtf::UsageError("3-D noise: a frame of " + size_of(frame.width, frame.height) + " among frames of " +
+                          size_of(width_, height_) + "; give all one size");
   double sum = 0.0;
   for (std::int64_t y = 0; y < height_; ++y)
     for (std::int64_t x = 0; x < width_; ++x) sum += static_cast<double>(frame.at(x, y));

@@ -150,9 +150,8 @@ void distort(mtf::ImageView<const float> scene, const Distortion& distortion, co
              mtf::ImageView<float> out, Origin origin, mtf::Border border, float border_value, int threads) {
   require_region(grid, origin, out.width, out.height);
   if (scene.width != grid.columns || scene.height != grid.rows)
-    throw UsageError("distortion: a scene of " + std::to_string(scene.width) + " x " + std::to_string(scene.height) +
-                     " samples for a grid of " + std::to_string(grid.columns) + " x " + std::to_string(grid.rows) +
-                     "; light comes from all of it, give the whole scene");
+    throw UsageError("distortion: a scene of " + size_of(scene.width, scene.height) + " samples for a grid of " +
+                     size_of(grid.columns, grid.rows) + "; light comes from all of it, give the whole scene");
   const double scale = 1.0 / grid.half_diagonal_um();
   const double far_x = std::max(std::abs(grid.x_um(0)), std::abs(grid.x_um(grid.columns - 1)));
   const double far_y = std::max(std::abs(grid.y_um(0)), std::abs(grid.y_um(grid.rows - 1)));

@@ -38,15 +38,14 @@ void require_region(const FocalPlane& plane, Origin origin, std::int64_t width, 
   if (plane.columns < 1 || plane.rows < 1 || !is_step(plane.step_x_um) || !is_step(plane.step_y_um) ||
       !std::isfinite(plane.axis_x_um) || !std::isfinite(plane.axis_y_um))
     throw mtf::UsageError(
-        "focal plane of " + std::to_string(plane.columns) + " x " + std::to_string(plane.rows) + " samples, " +
-        mtf::format_double(plane.step_x_um) + " x " + mtf::format_double(plane.step_y_um) +
+        "focal plane of " + size_of(plane.columns, plane.rows) + " samples, " + mtf::format_double(plane.step_x_um) +
+        " x " + mtf::format_double(plane.step_y_um) +
         " um apart; it needs a sample at least, steps from 1e-9 to 1e12 um and an axis at a finite place");
   if (origin.x < 0 || origin.y < 0 || width > plane.columns || height > plane.rows ||
       origin.x > plane.columns - width || origin.y > plane.rows - height)
-    throw mtf::UsageError("a region of " + std::to_string(width) + " x " + std::to_string(height) +
-                          " samples from column " + std::to_string(origin.x) + ", row " + std::to_string(origin.y) +
-                          " is outside a focal plane of " + std::to_string(plane.columns) + " x " +
-                          std::to_string(plane.rows));
+    throw mtf::UsageError("a region of " + size_of(width, height) + " samples from column " + std::to_string(origin.x) +
+                          ", row " + std::to_string(origin.y) + " is outside a focal plane of " +
+                          size_of(plane.columns, plane.rows));
 }
 
 }  // namespace radiometry

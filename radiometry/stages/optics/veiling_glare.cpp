@@ -52,9 +52,8 @@ mtf::Image ghost_image(mtf::ImageView<const float> image, const Ghost& ghost, co
   require_valid("ghost", ghost);
   require_region(detector, {}, detector.columns, detector.rows);
   if (image.width != detector.columns || image.height != detector.rows)
-    throw mtf::UsageError("ghost: an image of " + std::to_string(image.width) + " x " + std::to_string(image.height) +
-                          " pixels for a detector of " + std::to_string(detector.columns) + " x " +
-                          std::to_string(detector.rows) + "; the ghost needs the whole image");
+    throw mtf::UsageError("ghost: an image of " + size_of(image.width, image.height) + " pixels for a detector of " +
+                          size_of(detector.columns, detector.rows) + "; the ghost needs the whole image");
   const double mean = finite_mean(image);
   // Column x mirrors column last + shift - x; the shift is twice the offset of the axis, to the nearest whole.
   const auto shift = [](double axis_um, double step_um) {
@@ -87,9 +86,8 @@ mtf::Image ghost_image(mtf::ImageView<const float> image, const Ghost& ghost, co
 void add_ghost(mtf::ImageView<float> image, const Ghost& ghost, mtf::ImageView<const float> ghosts, int threads) {
   require_valid("ghost", ghost);
   if (image.width != ghosts.width || image.height != ghosts.height)
-    throw mtf::UsageError("ghost: a ghost image of " + std::to_string(ghosts.width) + " x " +
-                          std::to_string(ghosts.height) + " pixels for an image of " + std::to_string(image.width) +
-                          " x " + std::to_string(image.height) + "; give both one size");
+    throw mtf::UsageError("ghost: a ghost image of " + size_of(ghosts.width, ghosts.height) +
+                          " pixels for an image of " + size_of(image.width, image.height) + "; give both one size");
   const double q = ghost.fraction;
   for_each_pixel(image, ghosts, threads,
                  [&](double value, double other) { return static_cast<float>((1.0 - q) * value + q * other); });

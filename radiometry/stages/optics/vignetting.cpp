@@ -18,9 +18,9 @@ void require_map(const Vignetting& vignetting, mtf::ImageView<const float> given
   if (vignetting.a2 != 0.0 || vignetting.a4 != 0.0 || vignetting.a6 != 0.0)
     throw UsageError("vignetting: give either a map or the coefficients a2, a4, a6");
   if (given.width != factors.width || given.height != factors.height)
-    throw UsageError("vignetting.map: " + vignetting.map + " has " + std::to_string(given.width) + " x " +
-                     std::to_string(given.height) + " pixels, the detector's region " + std::to_string(factors.width) +
-                     " x " + std::to_string(factors.height) + "; give one of its size");
+    throw UsageError("vignetting.map: " + vignetting.map + " has " + size_of(given.width, given.height) +
+                     " pixels, the detector's region " + size_of(factors.width, factors.height) +
+                     "; give one of its size");
   require_numbers("vignetting.map: " + vignetting.map, given, 0.0F, origin);
 }
 

@@ -18,9 +18,7 @@ using mtf::UsageError;
 
 constexpr std::int64_t kReach = 8, kRowsAtOnce = 64;
 
-std::string size_of(mtf::ImageView<const float> image) {
-  return std::to_string(image.width) + " x " + std::to_string(image.height);
-}
+std::string size_of(mtf::ImageView<const float> image) { return radiometry::size_of(image.width, image.height); }
 
 struct Mean {
   double sum = 0.0;
@@ -177,8 +175,7 @@ TwoPoint measure_correction(std::int64_t width, std::int64_t height, const Corre
     throw mtf::UsageError("correction: low = " + mtf::format_double(settings.low) + " is not below high = " +
                           mtf::format_double(settings.high) + "; the two flat frames have to differ");
   if (width < 1 || height < 1)
-    throw mtf::UsageError("correction: a detector of " + std::to_string(width) + " x " + std::to_string(height) +
-                          " pixels; it needs one at least");
+    throw mtf::UsageError("correction: a detector of " + size_of(width, height) + " pixels; it needs one at least");
   constexpr std::uint32_t kLast = std::numeric_limits<std::uint32_t>::max();
   const mtf::Image cold = mean_flat(width, height, settings.low, settings.frames, kLast, flat);
   const mtf::Image hot = mean_flat(width, height, settings.high, settings.frames,

@@ -3,9 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
+#include "mtf/words.h"
 #include "mtf/work/stopwatch.h"
-#include "radiometry/thermal/limits.h"
 
 namespace radiometry::thermal {
 namespace {
@@ -107,6 +108,39 @@ Units with_open_sides(const HeatScene& scene, const Units& units, const HeatScen
   }
   return open;
 }
+
+/// Wet surfaces that are colder or hotter than the formula of saturation, output by output: each region is said once.
+class SurfaceLimits {
+ public:
+  explicit SurfaceLimits(const HeatScene& scene) : scene_(scene) {
+    for (std::uint32_t f = 0; f < scene.facets().size(); ++f)
+      if (const Region& region = scene.region_of(f);
+          region.is_solved() && scene.material[scene.material_of(f)].construction.is_wet())
+        wet_.push_back(f);
+  }
+
+  void see(const HeatOutput& output) {
+    for (const std::uint32_t f : wet_)
+      for (const auto& side : {output.front_k, output.back_k})
+        if (!side.empty() && !std::isnan(side[f]))
+          of_region_[scene_.input.region_of[f]].see(heat::kSaturationValidity, side[f], output.time_s, f);
+  }
+
+  std::vector<std::string> texts() const {
+    std::vector<std::string> texts;
+    for (const auto& [region, beyond] : of_region_)
+      if (beyond.values > 0)
+        texts.push_back(text_of(heat::kSaturationValidity, beyond, scene_.input.start_s,
+                                "region '" + mtf::one_line(scene_.input.regions[region].name) + "', facet " +
+                                    std::to_string(beyond.first_place) + ": "));
+    return texts;
+  }
+
+ private:
+  const HeatScene& scene_;
+  std::vector<std::uint32_t> wet_;  ///< facets
+  std::map<std::uint32_t, heat::Beyond> of_region_;
+};
 
 }  // namespace
 

@@ -28,7 +28,7 @@ namespace radiometry::thermal {
 //                the promise is about. Sides that nothing ever shades are in the sun whenever it is before them,
 //                whatever the table of shadows says of them; others keep their table
 //   by itself    every facet a unit, in the sun as it was traced anew: what merging and the table of shadows do too,
-//                which is measured beside the promise (unit_errors.h, table_error.h)
+//                which is measured beside the promise (ViewSpread, table_error.h)
 //
 // Where only what the camera sees is asked for, both solve the whole scene, the second one with all rays of what is not
 // seen, and what is seen is compared.

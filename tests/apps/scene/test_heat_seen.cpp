@@ -6,7 +6,7 @@
 #include <numbers>
 #include <sstream>
 
-#include "radiometry/thermal/seen_facets.h"
+#include "radiometry/thermal/heat_scene.h"
 #include "tests/apps/scene/heat_run_case.h"
 #include "tests/expect_error.h"
 

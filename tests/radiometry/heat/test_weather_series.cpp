@@ -8,7 +8,6 @@
 #include "mtf/error.h"
 #include "radiometry/weather/demo_weather.h"
 #include "radiometry/weather/instant.h"
-#include "radiometry/weather/value_schedule.h"
 #include "radiometry/weather/weather_series.h"
 #include "tests/expect_error.h"
 #include "tests/radiometry/heat/weather_cases.h"

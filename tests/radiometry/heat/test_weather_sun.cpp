@@ -7,7 +7,6 @@
 
 #include "radiometry/weather/demo_weather.h"
 #include "radiometry/weather/instant.h"
-#include "radiometry/weather/value_schedule.h"
 #include "radiometry/weather/weather_series.h"
 #include "tests/expect_error.h"
 #include "tests/radiometry/heat/weather_cases.h"

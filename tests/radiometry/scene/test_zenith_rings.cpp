@@ -2,7 +2,7 @@
 
 // What a tilted plane sees of the rings of the sky, against an integral over solid angle.
 
-#include "radiometry/scene/tracing/zenith_rings.h"
+#include "radiometry/scene/views.h"
 
 #include <gtest/gtest.h>
 
