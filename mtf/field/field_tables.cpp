@@ -103,14 +103,13 @@ FieldTables::FieldTables(const System<double>& system, std::span<const FieldPoin
     if (changes[i] || (chromatic_ && list[i].component.traits(ctx).chromatic)) factor_.entries.push_back(i);
 
   if (chromatic_) system_.band_nodes = 4;  // until they are chosen
-  double cutoff = 0.0, farthest = 0.0;
+  double cutoff = 0.0;
   for (const FieldPoint<double>& q : outline) {
     const ComponentsAt part(system_, factor_.entries, chromatic_, q);
     cutoff = std::max(cutoff, part.cutoff());
     factor_.all = factor_.all + part.parities();
     const std::vector<double> kinks = part.kinks();
     breaks_.insert(breaks_.end(), kinks.begin(), kinks.end());
-    farthest = std::max(farthest, std::hypot(q.x, q.y));
   }
   factor_.cutoff_cy_mm = cutoff;
   end_ = std::min(end_cy_mm, cutoff);
@@ -122,14 +121,12 @@ FieldTables::FieldTables(const System<double>& system, std::span<const FieldPoin
     if (apart.back() - breaks_[i] > kLeastPiece * end_) apart.push_back(breaks_[i]);
   breaks_.assign(apart.rbegin(), apart.rend());
 
-  const auto farther = [](const FieldPoint<double>& a, const FieldPoint<double>& b) {
-    return std::hypot(a.x, a.y) < std::hypot(b.x, b.y);
-  };
-  const FieldPoint<double> corner = *std::max_element(outline.begin(), outline.end(), farther);
+  const auto radius = [](const FieldPoint<double>& q) { return std::hypot(q.x, q.y); };
+  const FieldPoint<double> corner = *std::ranges::max_element(outline, {}, radius);
   choose_band_nodes(std::array{corner, FieldPoint<double>{-corner.y, corner.x}, FieldPoint<double>{}},
                     options.band_error);
   wavelengths_ = std::max(1, system_.band_nodes) * (slow_ ? 1.0 : kQuick);
-  if (farthest > 0.0 && turns(farthest)) try_radius(farthest);
+  if (const double farthest = radius(corner); farthest > 0.0 && turns(farthest)) try_radius(farthest);
 }
 
 // Wavelengths for the product of the components that change: what the last doubling changed is the error.

@@ -20,9 +20,12 @@ std::string upper(std::string text) {
   return text;
 }
 
-bool is_alpha(const ChannelInfo& channel) {
-  const std::string base = upper(base_of(channel.name));
-  return base == "A" || base == "ALPHA";
+Indices without_alpha(const std::vector<ChannelInfo>& channels, Indices group) {
+  std::erase_if(group, [&](std::size_t i) {
+    const std::string base = upper(base_of(channels[i].name));
+    return base == "A" || base == "ALPHA";
+  });
+  return group;
 }
 
 std::string listed(const std::vector<ChannelInfo>& channels) {
@@ -59,10 +62,7 @@ Indices obvious(const std::vector<ChannelInfo>& channels, const Indices& group) 
       if (upper(base_of(channels[i].name)) == base) found.push_back(i);
     return found;
   };
-  Indices visible;
-  std::copy_if(group.begin(), group.end(), std::back_inserter(visible),
-               [&](std::size_t i) { return !is_alpha(channels[i]); });
-  if (visible.size() == 1) return visible;
+  if (const Indices visible = without_alpha(channels, group); visible.size() == 1) return visible;
   if (const Indices y = find("Y"); y.size() == 1 && find("X").empty()) return y;  // X, Y, Z are coordinates or CIE
   const Indices r = find("R"), g = find("G"), b = find("B");
   if (r.size() == 1 && g.size() == 1 && b.size() == 1) return {r[0], g[0], b[0]};
@@ -72,10 +72,7 @@ Indices obvious(const std::vector<ChannelInfo>& channels, const Indices& group) 
 Indices by_default(const std::string& path, const std::vector<ChannelInfo>& channels, const Indices& allowed) {
   std::map<std::pair<int, std::string>, Indices> groups;
   for (std::size_t i : allowed) groups[{channels[i].part, channels[i].layer}].push_back(i);
-  Indices visible;
-  std::copy_if(allowed.begin(), allowed.end(), std::back_inserter(visible),
-               [&](std::size_t i) { return !is_alpha(channels[i]); });
-  if (visible.size() == 1) return visible;
+  if (const Indices visible = without_alpha(channels, allowed); visible.size() == 1) return visible;
   if (groups.size() == 1) {
     if (const Indices only = obvious(channels, groups.begin()->second); !only.empty()) return only;
     refuse(path, "no channel is the obvious one", channels);
@@ -148,9 +145,8 @@ ChannelChoice choose_channels(const std::string& path, const std::vector<Channel
            channels);
 
   // Deep channels count only when they are asked for, so that another part with one sample a pixel is found.
-  Indices flat;
-  std::copy_if(allowed.begin(), allowed.end(), std::back_inserter(flat),
-               [&](std::size_t i) { return !channels[i].type.starts_with("deep"); });
+  Indices flat = allowed;
+  std::erase_if(flat, [&](std::size_t i) { return channels[i].type.starts_with("deep"); });
   if (flat.empty())
     throw UsageError(
         path + ": deep data (several samples a pixel, part " + std::to_string(channels[allowed[0]].part) +

@@ -114,12 +114,11 @@ ChosenEncoding encoding_of(const SensorConfig& config, const std::string& path, 
                            std::vector<std::string>& warnings) {
   const std::optional<Encoding>& given = config.scene.encoding;
   const StatedEncoding& stated = file.info.encoding;
-  if (given && file.info.format == Format::exr) {
-    if (given->kind != Encoding::Kind::linear)
+  if (file.info.format == Format::exr) {
+    if (given && given->kind != Encoding::Kind::linear)
       warnings.push_back(path + ": OpenEXR is linear by definition; encoding of [scene] is for PNG and TIFF");
     return {{}, "OpenEXR"};
   }
-  if (!given && file.info.format == Format::exr) return {{}, "OpenEXR"};
   if (!given) return {{}, stated.word.empty() ? "assumed" : stated.source};
   const std::string word = given->name == "gamma" ? "gamma:2.2" : given->name;
   if (!stated.word.empty() && stated.word != word)

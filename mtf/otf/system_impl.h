@@ -96,8 +96,7 @@ Averaged<S> band_average(const System<S>& system, std::span<const Component<S>* 
     mean.error.assign(f.size(), std::numeric_limits<double>::quiet_NaN());
     return mean;
   }
-  constexpr bool kFloat = std::is_same_v<S, float>;
-  constexpr double kAllowed = kFloat ? 1e-6 : kBandError;
+  constexpr double kAllowed = std::is_same_v<S, float> ? 1e-6 : kBandError;
   const std::vector<double> kinks = chromatic_kinks(system, chromatic);
   std::vector<double> wavelengths, weight(f.size(), 0.0);
   std::vector<std::size_t> whole;  // frequencies without a kink in the band share their wavelengths
@@ -117,13 +116,8 @@ Averaged<S> band_average(const System<S>& system, std::span<const Component<S>* 
   add_part<S>(system, chromatic, system.band->lo_um, system.band->hi_um, kAllowed, std::move(whole), f, mean, weight);
   // A curve as narrow as a line is known to fewer digits than 1e-12: the mean of 1 is 1 all the same.
   for (std::size_t i = 0; i < f.size(); ++i) {
-    if constexpr (kFloat) {
-      const auto scale = static_cast<float>(1.0 / weight[i]);
-      mean.value[i] = {mean.value[i].re * scale, mean.value[i].im * scale};
-    } else {
-      const S scale(1.0 / weight[i]);
-      mean.value[i] = {mean.value[i].re * scale, mean.value[i].im * scale};
-    }
+    const S scale = static_cast<S>(1.0 / weight[i]);
+    mean.value[i] = {mean.value[i].re * scale, mean.value[i].im * scale};
   }
   return mean;
 }

@@ -93,10 +93,7 @@ UsageError other_spectrum() {
 /// What an OTF error of 1 may become, as an rms error of the image relative to the scene's std.
 struct Norms {
   Norms(const SampleGrid& in, const SampleGrid& out, const PlanOptions& options) {
-    // Without a scene: that of a canvas whose parts are as contrasty as the image.
-    const double parts = std::sqrt(static_cast<double>(canvas_length(options.border, in.width) / in.width) *
-                                   static_cast<double>(canvas_length(options.border, in.height) / in.height));
-    canvas = options.scene ? options.scene->canvas_norm / options.scene->std : parts;
+    canvas = canvas_norm_of(options, in);
     // The error of the whole scene may concentrate in the part of it that the detector sees.
     norm = canvas * std::sqrt(std::max(1.0, in.area_um2() / out.area_um2()));
     alias = std::sqrt(samples_per_pixel(in, out));
@@ -144,6 +141,12 @@ bool share_memory(ImageView<const float> a, ImageView<const float> b) {
 std::string short_number(double value) { return significant(value, 2); }
 
 }  // namespace
+
+double canvas_norm_of(const PlanOptions& options, const SampleGrid& in) {
+  if (options.scene) return options.scene->canvas_norm / options.scene->std;
+  return std::sqrt(static_cast<double>(canvas_length(options.border, in.width) / in.width) *
+                   static_cast<double>(canvas_length(options.border, in.height) / in.height));
+}
 
 SampleGrid detector_grid(const System<double>& system, const SampleGrid& scene) {
   check_grid(scene, "scene");

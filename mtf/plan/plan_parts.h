@@ -25,16 +25,19 @@ inline constexpr double kFloatUnit = 0x1p-24;  ///< half a unit in the last plac
 Plan compile_part(const System<double>& system, const SampleGrid& scene, const SampleGrid& detector,
                   const PlanOptions& options, const ScaleSplit& split);
 
+/// Norm of the defined canvas (canvas_norm of mtf/engines/statistics.h), in units of the scene's std. Without a scene:
+/// that of a canvas whose parts are as contrasty as the image.
+double canvas_norm_of(const PlanOptions& options, const SampleGrid& in);
+
 /// What all methods for one plan share.
 struct PlanTask {
   const FactoredOtf& sampler;
   SampleGrid in, out;
   const PlanOptions& options;
   ScaleSplit split;
-  double canvas_norm =
-      1.0;             ///< of the defined canvas (canvas_norm of mtf/engines/statistics.h), in units of the scene's std
-  double norm = 1.0;   ///< the same, where all of it lies in the part of the scene that the detector sees
-  double alias = 1.0;  ///< sqrt(frequencies that may alias onto one)
+  double canvas_norm = 1.0;    ///< canvas_norm_of the scene
+  double norm = 1.0;           ///< the same, where all of it lies in the part of the scene that the detector sees
+  double alias = 1.0;          ///< sqrt(frequencies that may alias onto one)
   double spectrum_gain = 1.0;  ///< largest factor between the rms_error of the scene's spectrum and the image's
 };
 

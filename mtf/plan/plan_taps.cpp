@@ -289,8 +289,9 @@ std::vector<MethodCandidate> tap_candidates(const PlanTask& task, double fft_ms)
   const auto ratio_x = whole_ratio(task.in.step_x_um, task.out.step_x_um);
   const auto ratio_y = whole_ratio(task.in.step_y_um, task.out.step_y_um);
   constexpr std::array direct_methods{Method::direct_square, Method::direct_disc, Method::direct_diamond};
-  const auto none = [&](const std::string& reason) {
-    for (const Method method : {Method::separable, Method::low_rank}) candidates.push_back(impossible(method, reason));
+  const auto none = [&](const std::string& reason) {  // of those that are not there yet
+    if (candidates.empty()) candidates.push_back(impossible(Method::separable, reason));
+    candidates.push_back(impossible(Method::low_rank, reason));
     for (const Method method : direct_methods) candidates.push_back(impossible(method, reason));
     return candidates;
   };
@@ -305,12 +306,8 @@ std::vector<MethodCandidate> tap_candidates(const PlanTask& task, double fft_ms)
   const double limit_ms = 4.0 * std::min(fft_ms, candidates.front().make ? candidates.front().report.cost_ms : fft_ms);
   // A kernel of a slow OTF costs more frequencies to design than a small image has.
   constexpr std::int64_t kCorners = std::int64_t{SceneSpectrum::kRows} * SceneSpectrum::kColumns;
-  if (task.sampler.is_slow() && task.in.width * task.in.height < 4 * kCorners) {
-    candidates.push_back(impossible(Method::low_rank, "designing a kernel of this OTF costs more than the image"));
-    for (const Method method : direct_methods)
-      candidates.push_back(impossible(method, "designing a kernel of this OTF costs more than the image"));
-    return candidates;
-  }
+  if (task.sampler.is_slow() && task.in.width * task.in.height < 4 * kCorners)
+    return none("designing a kernel of this OTF costs more than the image");
   const PointResponse response(task.sampler, task.in, *ratio_x, *ratio_y);
   candidates.push_back(low_rank(work, response, limit_ms));
   for (const Method method : direct_methods) candidates.push_back(direct(work, response, method, limit_ms));

@@ -275,12 +275,6 @@ bool raise(TileNeeds& thought, const TileNeeds& found) {
   return raised;
 }
 
-double canvas_norm_of(const PlanOptions& options, const SampleGrid& in) {
-  if (options.scene) return options.scene->canvas_norm / options.scene->std;
-  return std::sqrt(count(canvas_length(options.border, in.width) / in.width) *
-                   count(canvas_length(options.border, in.height) / in.height));
-}
-
 void require_region(const Region& region, const SampleGrid& detector) {
   if (region.x >= 0 && region.y >= 0 && region.width > 0 && region.height > 0 &&
       region.x <= detector.width - region.width && region.y <= detector.height - region.height)

@@ -115,7 +115,7 @@ std::string toml_scalar(const Scalar& scalar);
 using ReadNumber =
     std::function<std::optional<double>(const Section& section, std::string_view key, const Node& number)>;
 
-// A table { value, fit, min, max, prior, stderr, interval }, whose value its reader knows. In config_fields.cpp.
+// A table { value, fit, min, max, prior, stderr, interval }, whose value its reader knows.
 /// The value; null when there is none (reported). Checks the keys.
 const Node* find_value(const Section& table, const FieldInfo& info);
 /// All other keys, into a spec whose value is there. `spread`: of standard errors and deviations.

@@ -18,12 +18,24 @@
 #include <vector>
 
 #include "mtf/error.h"
-#include "mtf/io/exr/exr_scan.h"
 #include "mtf/io/file_checks.h"
 #include "mtf/io/image_io.h"
 #include "mtf/words.h"
 
 namespace mtf::io {
+
+/// A data or display window: the first and the last column and row, both inside.
+struct Window {
+  std::int64_t x0, y0, x1, y1;
+  std::int64_t width() const { return x1 - x0 + 1; }
+  std::int64_t height() const { return y1 - y0 + 1; }
+};
+
+/// Checks the raw header before the library opens the file: it allocates what a header asks for, and a damaged one may
+/// ask for anything. Throws RuntimeError when the header is cut short, an attribute is longer than the file, a window
+/// is inverted, the chunk table cannot fit, or the announced pixels (or one tile) are far beyond what the file can hold
+/// compressed.
+void scan_exr_header(const std::string& path);
 
 /// Runs `action` and turns what the library throws into our errors.
 template <class Action>

@@ -8,7 +8,6 @@
 
 #include "mtf/io/exr/band_cache.h"
 #include "mtf/io/exr/exr_open.h"
-#include "mtf/io/exr/exr_scan.h"
 
 namespace mtf::io {
 namespace {
