@@ -88,11 +88,8 @@ std::vector<std::array<std::string, 2>> sensitivities(const FittedParameter& p, 
 std::string correlation_table(std::span<const FittedParameter> parameters, const Correlation& correlation) {
   std::vector<std::string> header{"correlation"};
   for (const FittedParameter& p : parameters) header.push_back(one_line(p.parameter.name));
-  const std::vector<Align> align = [&] {
-    std::vector<Align> columns(header.size(), Align::right);
-    columns.front() = Align::left;
-    return columns;
-  }();
+  std::vector<Align> align(header.size(), Align::right);
+  align.front() = Align::left;
   TextTable table(std::move(header));
   for (std::size_t i = 0; i < correlation.size(); ++i) {
     std::vector<std::string> row{one_line(parameters[i].parameter.name)};

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/simulate/frames/sensor_frame.h"
+#include "apps/simulate/simulate_parts.h"
 #include "mtf/engines/statistics.h"
 #include "mtf/error.h"
 #include "mtf/parallel.h"

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/live/toml_blocks.h"
+#include "apps/live/edits.h"
 #include "mtf/components/component_docs.h"
 #include "mtf/io/config/config_edit.h"
 #include "mtf/units.h"

@@ -9,7 +9,6 @@
 
 #include "apps/commands.h"
 #include "apps/page/html.h"
-#include "apps/report/report_sections.h"
 #include "apps/report/report_sweep.h"
 #include "apps/simulate/output_files.h"
 #include "apps/terminal/output.h"

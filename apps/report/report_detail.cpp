@@ -11,7 +11,6 @@
 #include "apps/demo/demo_scene.h"
 #include "apps/page/html.h"
 #include "apps/page/svg.h"
-#include "apps/report/report_sections.h"
 #include "apps/report/report_sweep.h"
 #include "apps/simulate/simulate.h"
 #include "apps/study/rows/sweep_rows.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/report/report_sections.h"
+#include "apps/report/report_sweep.h"
 
 #include <algorithm>
 #include <cmath>

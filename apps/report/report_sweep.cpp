@@ -308,7 +308,7 @@ bool is_drawn(std::int64_t design, std::int64_t every) {
   return (h ^ (h >> 31)) % static_cast<std::uint64_t>(every) == 0;
 }
 
-/// Designs that the report names, rising.
+/// Designs that the report names, in no order.
 std::vector<std::int64_t> named_designs(const Sweep& sweep) {
   std::vector<std::int64_t> named;
   for (const SweepBest& best : sweep.best) named.push_back(best.design);
@@ -316,8 +316,6 @@ std::vector<std::int64_t> named_designs(const Sweep& sweep) {
   for (const auto& [design, share] : sweep.best_yield) named.push_back(design);
   if (sweep.nearest) named.push_back(*sweep.nearest);
   if (sweep.slope_design) named.push_back(*sweep.slope_design);
-  std::sort(named.begin(), named.end());
-  named.erase(std::unique(named.begin(), named.end()), named.end());
   return named;
 }
 

@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "apps/simulate/frames/sequence_plan.h"
+#include "apps/simulate/frames/sequence.h"
 
 namespace apps {
 namespace {

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 
-#include "apps/simulate/frames/sensor_frame.h"
 #include "apps/simulate/frames/sequence.h"
 #include "apps/simulate/output_files.h"
 #include "apps/simulate/simulate_parts.h"

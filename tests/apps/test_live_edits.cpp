@@ -10,7 +10,6 @@
 #include "apps/live/access.h"
 #include "apps/live/edits.h"
 #include "apps/live/model.h"
-#include "apps/live/toml_blocks.h"
 #include "apps/sensor/sensor_air.h"
 #include "mtf/error.h"
 #include "tests/expect_error.h"

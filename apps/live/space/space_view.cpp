@@ -8,9 +8,9 @@
 #include <numeric>
 #include <tuple>
 
+#include "apps/live/edits.h"
 #include "apps/live/space/scene_rows.h"
 #include "apps/live/space/solved_scenes.h"
-#include "apps/live/toml_blocks.h"
 #include "apps/scene/command/read_scene.h"
 #include "apps/scene/fly/flight.h"
 #include "apps/terminal/progress_line.h"

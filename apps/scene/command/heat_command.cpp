@@ -16,7 +16,6 @@
 #include "apps/figures/plot.h"
 #include "apps/options.h"
 #include "apps/scene/command/heat_files.h"
-#include "apps/scene/command/unfinished_run.h"
 #include "apps/scene/heat/read_thermal_scene.h"
 #include "apps/scene/outputs/mesh_files.h"
 #include "apps/simulate/output_files.h"

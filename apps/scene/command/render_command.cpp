@@ -164,7 +164,6 @@ render::LayerChoice layers_of(const std::vector<std::string>& names) {
 }
 
 render::Pose pose_of(const RenderCommandOptions& options, const SceneFile& file) {
-  if (!options.position && !options.look_at) return pose_of(file);
   render::Pose pose;
   if (file.camera || !options.position || !options.look_at) pose = pose_of(file);
   if (options.position) pose.position = *options.position;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/scene/scene_file/camera_path.h"
+#include "apps/scene/scene_file/scene_sections.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "apps/scene/weather/weather_csv.h"
+#include "apps/scene/weather/weather_file.h"
 #include "apps/text/message_words.h"
 #include "mtf/error.h"
 #include "mtf/io/csv/csv_numbers.h"

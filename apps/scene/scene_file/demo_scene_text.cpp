@@ -6,7 +6,7 @@
 
 #include "apps/scene/scene_file/demo_engine.csv.h"
 #include "apps/scene/scene_file/demo_scene.toml.h"
-#include "apps/scene/weather/weather_csv.h"
+#include "apps/scene/weather/weather_file.h"
 #include "radiometry/weather/demo_weather.h"
 #include "radiometry/weather/instant.h"
 

@@ -11,7 +11,7 @@
 
 #include "apps/scene/scene_file/scene_reader.h"
 #include "apps/scene/weather/si_units.h"
-#include "apps/scene/weather/weather_csv.h"
+#include "apps/scene/weather/weather_file.h"
 #include "apps/text/message_words.h"
 #include "mtf/error.h"
 #include "mtf/io/config/config_edit.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/scene/weather/weather_csv.h"
+#include "apps/scene/weather/weather_file.h"
 
 #include <algorithm>
 #include <cmath>

@@ -7,7 +7,6 @@
 #include <limits>
 #include <numbers>
 
-#include "apps/scene/weather/weather_csv.h"
 #include "mtf/error.h"
 #include "mtf/io/csv/csv_cells.h"
 #include "mtf/io/csv/csv_numbers.h"

@@ -18,8 +18,6 @@
 #include <vector>
 
 #include "apps/simulate/frames/frame_names.h"
-#include "apps/simulate/frames/sensor_frame.h"
-#include "apps/simulate/frames/sequence_plan.h"
 #include "apps/simulate/output_files.h"
 #include "apps/simulate/simulate_parts.h"
 #include "apps/text/message_words.h"

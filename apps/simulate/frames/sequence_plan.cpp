@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/simulate/frames/sequence_plan.h"
+#include "apps/simulate/frames/sequence.h"
 
 #include <algorithm>
 #include <numeric>

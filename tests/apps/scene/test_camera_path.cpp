@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Paths of cameras from CSV files.
 
-#include "apps/scene/scene_file/camera_path.h"
+#include "apps/scene/scene_file/scene_sections.h"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numeric>
 
-#include "apps/scene/weather/weather_csv.h"
 #include "apps/scene/weather/weather_file.h"
 #include "radiometry/weather/demo_weather.h"
 #include "radiometry/weather/instant.h"

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "apps/scene/import/helper/mesh_builder.h"
-#include "apps/scene/import/helper/number_parse.h"
 
 namespace apps::scene {
 namespace {
