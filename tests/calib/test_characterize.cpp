@@ -495,17 +495,14 @@ TEST(Characterize, FullPixelsAreLeftOut) {
           drop_planes(stacks);
         }
       const Characterization found = characterize(std::move(stacks), {});
-      SCOPED_TRACE(well_e);
-      EXPECT_FALSE(found.misfit) << found.misfit_reason;
+      EXPECT_FALSE(found.misfit) << well_e << ": " << found.misfit_reason;
       EXPECT_EQ(found.level_of.back(), -1);
-      const auto full = static_cast<std::size_t>(std::ranges::count(found.level_of, -1));
-      EXPECT_LE(full, pairs ? 6U : 3U);
+      EXPECT_LE(std::ranges::count(found.level_of, -1), pairs ? 6 : 3);
       expect_says(found.warnings.front(), {"full at", "below the end of the scale"});
       const Finding& e = *found.find("electrons_per_count");
       EXPECT_NEAR(e.value, 2.5, 4.5 * e.sd);
       const Finding& prnu = *found.find("prnu");
       EXPECT_NEAR(prnu.value, 0.01, 4.5 * prnu.sd);
-      EXPECT_GT(prnu.sd, 0.0);
     }
 }
 

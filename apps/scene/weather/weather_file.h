@@ -12,8 +12,8 @@
 
 #include "apps/scene/weather/si_units.h"
 #include "radiometry/weather/sun.h"
-#include "radiometry/weather/weather_series.h"
 #include "radiometry/weather/weather.h"
+#include "radiometry/weather/weather_series.h"
 
 namespace apps::scene {
 
