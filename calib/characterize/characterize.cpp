@@ -441,6 +441,15 @@ void Analysis::add_patterns() {
     const PlaneSquares squares = plane_squares(lit.view(), trend.degree);
     Pattern response = pattern_of(squares, {{bright->sums.squares, rounding_of(*bright)}, dark_stack});
     const std::string from = bright->name + " less " + dark->name;
+    // Crosstalk makes the responses of neighbours alike: the means of lines scatter by 2 r / n of the pixels' more.
+    const auto lower = [&](VarianceComponent& line, std::size_t lag, double n) {
+      const double raised = 2.0 * result_.crosstalk.ratio[lag].value * response.pixel.variance / n;
+      for (double* const part : {&line.variance, &line.low95, &line.high95}) *part -= raised;
+    };
+    if (result_.crosstalk.found) {
+      lower(response.row, 0, squares.columns);
+      lower(response.column, 1, squares.rows);
+    }
     if (hidden) {  // what rounding leaves in the mean dark frame is not known, but below its variance
       response.pixel.sd = std::hypot(response.pixel.sd, 1.0 / 12.0);
       response.pixel.low95 -= 1.0 / 12.0;

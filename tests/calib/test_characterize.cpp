@@ -139,7 +139,7 @@ const std::vector<Condition> kConditions{
      {{"row_noise", 3.0}, {"column_noise", 0.0}}},
     {"Nonlinear", {.a2 = -0.03}, {.nonlinearity = 1, .full_well_e = 5e4}, {{"a2", -0.03}}},
     {"Shading", {.shading = 0.05}, {}, {{"shading", 0.05 * std::sqrt((kSide + 1.0) / (3.0 * (kSide - 1.0)))}}},
-    {"Crosstalk", {.side = 0.02}, {}, {{"crosstalk_side", 0.02}}},
+    {"Crosstalk", {.side = 0.02}, {}, {{"crosstalk_side", 0.02}, {"prnu_row", 0.0}, {"prnu_column", 0.0}}},
     {"NonlinearCrosstalk",
      {.a2 = -0.03, .side = 0.02},
      {.nonlinearity = 1, .full_well_e = 5e4},
