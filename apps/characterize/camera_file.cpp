@@ -121,7 +121,9 @@ std::string file_head(const Characterization& camera, const StacksFile& stacks, 
   return "# mtf characterize " + one_line(stacks.file) + ", sha256 " + stacks.sha256 + "\n# " +
          (camera.misfit ? "the model does not describe the frames: " + camera.misfit_reason
                         : model_name(camera) + ": p = " + significant(camera.transfer.p, 2)) +
-         "\n# not measured: " + joined(left) + "\n";
+         "\n# not measured: " + joined(left) + "\n" +
+         joined(
+             camera.warnings, [](const std::string& w) { return "# warning: " + one_line(w) + "\n"; }, "");
 }
 
 std::string least_sensor(std::int64_t columns, std::int64_t rows, int bits, double time_s) {
@@ -203,9 +205,9 @@ std::string characterize_table(const Characterization& camera, const std::vector
   text += "\n" + model_name(camera) + std::string(21 - model_name(camera).size(), ' ') + "chi-square " +
           significant(t.chi2, 4) + ", " + std::to_string(t.dof) + " degrees of freedom, p = " + significant(t.p, 2) +
           "\n";
-  text += "defects              " + std::to_string(camera.defects.size()) +
-          (camera.reference_k > 0.0 ? " pixels beyond 4.5 sd, which noise_vh counts and dsnu leaves out\n"
-                                    : " pixels of the dark beyond 4.5 sd\n");
+  text += "defects              " + plural(std::ssize(camera.defects), "pixel") +
+          (camera.reference_k > 0.0 ? " beyond 4.5 sd, which noise_vh counts and dsnu leaves out\n"
+                                    : " of the dark beyond 4.5 sd\n");
   text += "not measured         " + joined(left) + "\n";
   if (camera.misfit) text += "the model does not describe the frames: " + camera.misfit_reason + "\n";
   for (const std::string& warning : camera.warnings) text += "warning: " + warning + "\n";

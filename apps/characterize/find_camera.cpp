@@ -8,6 +8,7 @@
 #include "apps/sensor/sensor_air.h"
 #include "mtf/error.h"
 #include "mtf/io/config/config_reader.h"
+#include "mtf/words.h"
 #include "radiometry/chain/sensor_settings.h"
 #include "radiometry/light/constants.h"
 
@@ -119,6 +120,12 @@ FoundCamera find_camera(const StacksFile& file, Nominal nominal, ReadStacks read
   }
   found.name = nominal->system.name;
   warn_of_nominal(*nominal, found.camera.warnings);
+  const calib::Finding* const rate = found.camera.find("rate");
+  if (rate != nullptr && rate->low95 > 1.0 && (file.unit == LightUnit::photons || file.unit == LightUnit::irradiance))
+    found.camera.warnings.push_back(
+        "rate is " + mtf::significant(rate->value, 4) +
+        " electrons a photon, more than 1: the photons are stated too low, or the frames are "
+        "averages; quantum_efficiency is not set");
   found.sensor = file.has_blackbodies()
                      ? thermal_camera_file(found.camera, file, std::move(*nominal), read.bits, destination)
                      : camera_file(found.camera, file, std::move(*nominal), read.bits, placeholders, maps, destination);

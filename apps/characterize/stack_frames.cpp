@@ -135,7 +135,10 @@ class Reduction {
     for (const StackFrame& frame : frames) {
       views.push_back(frame.image.view());
       const float *first = frame.image.data(), *end = first + frame.image.size();
-      if (std::adjacent_find(first, end, std::not_equal_to()) == end) continue;  // saturated frames are all alike
+      value_ = value_.value_or(*first);
+      const bool one_value = std::adjacent_find(first, end, std::not_equal_to()) == end;
+      varies_ = varies_ || !one_value || *first != *value_;
+      if (one_value) continue;  // saturated frames are all alike
       const auto [before, fresh] = source_.seen.emplace(frame.hash, frame.where);
       if (!fresh) refuse(frame.where, "is the same frame as " + one_line(before->second) + "; give each frame once");
     }
@@ -153,7 +156,7 @@ class Reduction {
       refuse(entry_.name, "values outside 0 to " + significant(top_, 12) + ", which is what " +
                               std::to_string(source_.bits) + " bits hold; correct bits in [camera]");
     const std::uint32_t step = sums_->step();
-    if (step > 1)
+    if (step > 1 && varies_)
       refuse(entry_.name, "all values are multiples of " + std::to_string(step) +
                               ": fewer bits, stored shifted; write step = " + significant(file_.step * step, 6) +
                               " and their bits in [camera]");
@@ -169,6 +172,8 @@ class Reduction {
   }
 
  private:
+  std::optional<float> value_;  ///< the first
+  bool varies_ = false;         ///< there is more than one value
   const StackEntry& entry_;
   const StacksFile& file_;
   FrameSource& source_;

@@ -34,7 +34,7 @@ namespace {
 
 // The edge of `mtf demo`: a slanted edge as imaged by the demo's sensor, to measure and to fit.
 
-constexpr std::int64_t kPixels = 128, kMargin = 16, kRatio = 8;
+constexpr std::int64_t kPixels = 128, kSceneMargin = 16, kRatio = 8;
 constexpr double kAngle_deg = -5.0, kDark = 2.0, kBright = 8.0;
 constexpr float kNoise = 0.03F;  // 200 times less than the contrast
 /// Of the scene's blur, in its samples: what lies beyond their Nyquist frequency and aliases below the optics' cutoff
@@ -58,7 +58,7 @@ mtf::Image step_scene(std::int64_t size) {
 /// blurred by a Gaussian that the simulation divides out again, so that its samples alias nothing; the frame's border
 /// is cut off, where mirroring bends the edge.
 mtf::Image demo_edge(const mtf::io::SensorConfig& sensor, int threads) {
-  const std::int64_t size = (kPixels + 2 * kMargin) * kRatio;
+  const std::int64_t size = (kPixels + 2 * kSceneMargin) * kRatio;
   const mtf::Image scene = step_scene(size);
   const double step_um = sensor.system.frame.pitch_x_um / static_cast<double>(kRatio);
   const mtf::SampleGrid grid{size, size, step_um, step_um};
@@ -79,7 +79,8 @@ mtf::Image demo_edge(const mtf::io::SensorConfig& sensor, int threads) {
   std::mt19937_64 random(1);
   std::normal_distribution<float> noise(0.0F, kNoise);
   for (std::int64_t y = 0; y < kPixels; ++y)
-    for (std::int64_t x = 0; x < kPixels; ++x) edge.at(x, y) = whole.at(x + kMargin, y + kMargin) + noise(random);
+    for (std::int64_t x = 0; x < kPixels; ++x)
+      edge.at(x, y) = whole.at(x + kSceneMargin, y + kSceneMargin) + noise(random);
   return edge;
 }
 

@@ -18,7 +18,7 @@ using mtf::significant;
 using radiometry::kT, radiometry::kTh, radiometry::kTv, radiometry::kTvh;
 
 constexpr double kSure_sd = 3.0;
-constexpr const char* kHidden = "rounding hides noise below 0.4 counts where all pixels have one offset";
+constexpr const char* kHidden = "rounding hides noise below 0.6 counts where all pixels have one offset";
 
 double square(double x) { return x * x; }
 
@@ -43,10 +43,9 @@ std::vector<Stack*> by_light(std::vector<Stack>& stacks) {
   return sorted;
 }
 
-/// Marks the stacks from which on the mean rises by less than 0.9 of what the light below tells, and the noise is a
-/// third below the largest: full pixels lose both; and those just before in which some are full, whose noise is down
-/// already. Where noise alone falls the frames are processed, where the mean falls stacks and light are paired wrongly;
-/// both are refused.
+/// Marks the stacks from which on the noise is a third below the largest, which is that of light: pixels are full; and
+/// those just before in which some are, whose noise is down already. Where noise falls from the dark on the frames are
+/// processed, where the mean falls stacks and light are paired wrongly; both are refused.
 void mark_saturated(const std::vector<Stack*>& stacks) {
   const auto noise = [](const Stack& stack) { return stack.sums.squares.value[kTvh]; };
   const Stack* dark = nullptr;
@@ -70,7 +69,7 @@ void mark_saturated(const std::vector<Stack*>& stacks) {
     if (first == stacks.end() && last != nullptr && last->light > dark->light) {
       const double expected = (last->sums.mean - dark->sums.mean) / (last->light - dark->light);
       const double rise = stack.sums.mean - last->sums.mean, due = expected * (stack.light - last->light);
-      if (rise > -1e-3 * due && rise < 0.9 * due && noise(stack) < 0.67 * peak) first = at;
+      if (rise > -1e-3 * due && noise(stack) < 0.67 * peak && peak > 1.5 * noise(*dark)) first = at;
     }
     stack.saturates = first != stacks.end();
   }
@@ -230,7 +229,7 @@ void Analysis::make_levels() {
       read_hidden_ = read_hidden_ || stack.light == 0.0;
       result_.warnings.push_back(
           stack.name +
-          ": noise below 0.4 counts, and pixels within half a count of each other: what rounding "
+          ": noise below 0.6 counts, and pixels within half a count of each other: what rounding "
           "makes of it depends on the offset; its variance is left out");
     }
     result_.level_of[i] = static_cast<int>(result_.levels.size());
@@ -293,12 +292,14 @@ void Analysis::fit() {
                                       [&](const auto& a, const auto& b) { return size(a) < size(b); });
   const auto stack = std::find(result_.level_of.begin(), result_.level_of.end(), worst - t.levels.begin());
   result_.misfit_reason =
-      t.converged ? "chi-square " + significant(t.chi2, 4) + " with " + std::to_string(t.dof) +
-                        " degrees of freedom, p = " + significant(t.p, 2) + "; the level that disagrees most is " +
-                        result_.stacks[static_cast<std::size_t>(stack - result_.level_of.begin())].name + " (mean " +
-                        significant(worst->mean_z, 2) + ", variance " + significant(worst->variance_z, 2) +
-                        " standard deviations): more terms of nonlinearity, or the repeatability of the light"
-                  : "the fit does not converge";
+      t.converged
+          ? "chi-square " + significant(t.chi2, 4) + " with " + std::to_string(t.dof) +
+                " degrees of freedom, p = " + significant(t.p, 2) + "; the level that disagrees most is " +
+                result_.stacks[static_cast<std::size_t>(stack - result_.level_of.begin())].name + " (mean " +
+                significant(worst->mean_z, 2) + ", variance " + significant(worst->variance_z, 2) +
+                " standard deviations): more terms of nonlinearity, the repeatability of the light, or this level "
+                "left out if its brightest pixels are full"
+          : "the fit does not converge";
 }
 
 void Analysis::correct_for_crosstalk() {
@@ -348,7 +349,9 @@ void Analysis::add_transfer() {
     if (finding.low95 <= 0.0) finding.verdict = Verdict::upper_limit;
     if (finding.high95 < 0.0) result_.warnings.push_back("the dark signal falls with the exposure time");
   } else {
-    not_determined("dark_current", "e-/s", "it takes dark stacks of two exposure times");
+    not_determined(
+        "dark_current", "e-/s",
+        "it takes dark stacks of two exposure times; until then its noise is in read_noise, its mean in offset");
   }
   const CrosstalkEstimate& c = result_.crosstalk;
   const std::string by = "covariances of neighbours over the levels";
@@ -364,7 +367,7 @@ void Analysis::add_transfer() {
         result_.warnings.push_back(
             "crosstalk_side is negative (" + significant(side.value, 2) + " +- " + significant(side.sd, 2) +
             "): the noise of neighbours runs against each other, as a sharpening filter makes it; "
-            "gain and noise are those of such frames");
+            "gain and noise are wrong behind it; give raw frames");
     }
     if (c.corner_found) add_value("crosstalk_corner", "", c.corner, by);
   }

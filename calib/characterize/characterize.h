@@ -112,7 +112,7 @@ struct Characterization {
 /// frames tell. Neighbours that share noise raise the component of
 /// their line, which is undone.
 std::array<Estimate, kLags.size()> pixel_covariance(const StackSummary& stack);
-/// Why a stack that is not usable is left out, and whether rounding hides the noise of one: it is below 0.4 counts, and
+/// Why a stack that is not usable is left out, and whether rounding hides the noise of one: it is below 0.6 counts, and
 /// the pixels are within half a count of each other.
 std::string clipped_words(const Stack& stack);
 bool is_hidden_by_rounding(const Stack& stack);

@@ -24,10 +24,11 @@ void warn_of_neighbours(const Stack& dark, std::vector<std::string>& warnings) {
   for (std::size_t k = 0; k < 2; ++k) {
     const double r = covariance[k].value / v, sd = covariance[k].sd / v;
     if (std::abs(r) > 0.02 + 5.0 * sd)
-      warnings.push_back(dark.name + ": the noise of neighbours in " + (k == 0 ? "rows" : "columns") + " correlates (" +
-                         mtf::significant(r, 2) +
-                         "), as 1/f noise of the readout, a filter or a denoiser makes it; gain and noise are those of "
-                         "such frames");
+      warnings.push_back(
+          dark.name + ": the noise of neighbours in " + (k == 0 ? "rows" : "columns") + " correlates (" +
+          mtf::significant(r, 2) +
+          "), as 1/f noise of the readout, a filter or a denoiser makes it: behind a filter gain and noise are "
+          "wrong; give raw frames");
   }
 }
 
@@ -58,8 +59,8 @@ void add_noise_in_time(const std::vector<Stack>& stacks, std::vector<Finding>& f
     warnings.push_back(
         clearest->name + ": the noise of a pixel is correlated from frame to frame (" + mtf::significant(e.value, 2) +
         " +- " + mtf::significant(e.sd, 2) +
-        "), as 1/f noise, lag, blinking or a filter over frames make it: what is temporal and what is fixed depends on "
-        "the number of frames, and errors are those of independent frames");
+        "), as 1/f noise, lag, blinking or a filter over frames make it: read noise and patterns are those of this "
+        "number of frames, and behind a filter gain and noise are wrong; give raw frames");
   // Light makes the variances of pixels differ, and so does rounding below 0.4 counts, of which 1e-4 is fixed.
   const bool is_dark = least->light == 0.0 || least->light_per_k > 0.0;
   if (!is_dark || least->sums.looked_at == 0 || rounding_of(*least) > 1e-4) return;

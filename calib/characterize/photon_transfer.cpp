@@ -150,7 +150,7 @@ void require_levels(const std::vector<TransferLevel>& levels, const TransferOpti
   const int needed = 3 + options.nonlinearity;
   if (std::ssize(lights) >= needed && variances < 2)
     throw mtf::UsageError("rounding hides the noise of all levels but " + std::to_string(variances) +
-                          ": below 0.4 counts, where all pixels have one offset; raise the gain of the camera");
+                          ": below 0.6 counts, where all pixels have one offset; raise the gain of the camera");
   if (std::ssize(lights) < needed)
     throw mtf::UsageError(
         "the photon transfer has " + std::to_string(lights.size()) + " usable levels of light; " +

@@ -108,7 +108,7 @@ std::vector<LinePoint> line_points(const std::vector<Stack>& stacks, std::vector
     }
     if (is_hidden_by_rounding(one))
       throw mtf::UsageError(one.name +
-                            ": noise below 0.4 counts, and pixels within half a count of each other: rounding hides "
+                            ": noise below 0.6 counts, and pixels within half a count of each other: rounding hides "
                             "the noise; raise the gain of the camera");
     points.push_back({&one});
   }

@@ -361,6 +361,20 @@ std::string raw_of(const std::string& cube, std::size_t header, std::size_t colu
   return text;
 }
 
+// A dark of one value is no sign of shifted bits; light that gives more electrons than photons is said.
+TEST_F(CharacterizeCommand, AConstantDarkAndTooManyElectrons) {
+  simulate(replaced(replaced(kSensor, "electrons_per_count = \"2.5 e-\"", "electrons_per_count = \"200 e-\""),
+                    "offset = 100.3", "offset = 4.0"),
+           "truth", 15, "[camera]\nbits = 14\n");
+  const Result dark = scratch.run("mtf characterize truth_stacks.toml --allow-misfit");
+  EXPECT_FALSE(says(dark.out + dark.err, "multiples")) << dark.out << dark.err;
+  simulate(kSensor, "other", 16, "[camera]\nbits = 14\n");
+  const std::string few = read_file(scratch / "other_stacks.toml");
+  write_file(scratch / "few.toml", std::regex_replace(few, std::regex("photons = ([0-9.]+)"), "photons = $1e-1"));
+  const Result found = scratch.run("mtf characterize few.toml --allow-misfit");
+  expect_says(found.out, {"electrons a photon, more than 1"});
+}
+
 TEST(CharacterizeRaw, IsReadAsItIsDescribed) {
   const Scratch scratch;
   std::string npy = "[camera]\nbits = 12\n", raw = npy;

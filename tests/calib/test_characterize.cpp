@@ -273,7 +273,7 @@ TEST(Characterize, RoundingThatHidesTheNoiseGivesAnIntervalOnly) {
   const Characterization found = characterize(stacks_of(camera, array_of(camera, engine), engine), {});
   EXPECT_EQ(found.find("read_noise")->verdict, Verdict::upper_limit);
   expect_says(found.find("read_noise")->why, {"rounding"});
-  EXPECT_TRUE(says(found.warnings, "below 0.4 counts"));
+  EXPECT_TRUE(says(found.warnings, "below 0.6 counts"));
 }
 
 // Of two groups of pixels the smaller one may be half of all: then no robust limit takes it for defects.
@@ -520,7 +520,7 @@ TEST(Characterize, SharpenedFramesAndNoiseOfFrames) {
   EXPECT_LE(misfits, 3);
 }
 
-// Below 0.4 counts, where all pixels have one offset, rounding decides what the dark frames show.
+// Below 0.6 counts, where all pixels have one offset, rounding decides what the dark frames show.
 TEST(Characterize, WhatRoundingHidesIsNotDetermined) {
   Engine engine(5);
   const Camera camera{.gain = 0.02, .row_e = 2.0};
