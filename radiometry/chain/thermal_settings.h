@@ -149,10 +149,10 @@ std::string bandwidth_warning(const ThermalSettings& settings, double time_const
 // constant rate, and shutter, housing and optics with it:
 //   T(n) = T(0) + drift n T_frame                      of frame n
 //   frame n = open camera at T(n) - closed camera at T(m),   m = the last closing, at frame n or before it
-// So frames between closings have a false offset, that of what the housing and the optics have warmed since then, and
-// each closing takes it away. It does not take away that the shutter itself is warmer: the same scene gives less after
-// it, as the signal is the difference to the shutter. (Nugent, Shaw and Pust, Opt. Eng. 52, 061304 (2013): drift of
-// microbolometer cameras with their temperature. Signals of the open and the closed camera: light/signal.h.)
+// So frames between closings have a false offset: the housing and the optics have warmed since the last closing. The
+// next one removes it. The shutter itself has warmed too, and the signal is the difference to the shutter: after a
+// closing the same scene gives less. (Nugent, Shaw and Pust, Opt. Eng. 52, 061304 (2013): drift of microbolometer
+// cameras with their temperature. Signals of the open and the closed camera: light/signal.h.)
 
 struct ShutterEvents {
   double drift_k_s = 0.0;
