@@ -210,27 +210,6 @@ std::string noise_budget(const Chosen& chosen, double temperature_k) {
          "<details><summary>All terms</summary>" + rows.html() + "</details>\n" + gaps;
 }
 
-}  // namespace
-
-std::string chosen_section(const Sweep& sweep, const DesignTable& table, const Chosen& chosen,
-                           const std::string& scene) {
-  if (chosen.empty()) return html_section("chosen", "Chosen designs", "", "<p class=\"gap\">The sweep chose none.</p>");
-  std::string body = problems(chosen) + values(sweep, table, chosen);
-  if (std::any_of(chosen.begin(), chosen.end(), [](const auto& d) { return d.problem.empty(); }))
-    body +=
-        "<h3>MTF</h3>\n" + html_chart("curves", static_curves(chosen)) +
-        "<p>What each component leaves of the modulation at Nyquist, along x; the metric <code>mtf_nyquist</code> is "
-        "the geometric mean of both axes:</p>\n" +
-        component_budget(chosen) + images(chosen, scene) + noise_budget(chosen, sweep.temperature_k);
-  if (sweep.single()) return html_section("chosen", "Data sheet", html(chosen[0].name), body);
-  return html_section("chosen", "Chosen designs", "The best of each objective, and some from along the Pareto front.",
-                      body);
-}
-
-// Simulated images of the chosen designs, as `mtf simulate` makes them, of one scene.
-
-namespace {
-
 constexpr std::int64_t kPixels = 160;                  // of the design with the smallest pixels, a side
 constexpr std::int64_t kSamplesAPixel = 4;             // of the scene
 constexpr std::int64_t kMostPixels = 1 << 26;          // of a scene file
@@ -341,6 +320,23 @@ std::string png(const mtf::io::RasterData& data) {
 }
 
 }  // namespace
+
+std::string chosen_section(const Sweep& sweep, const DesignTable& table, const Chosen& chosen,
+                           const std::string& scene) {
+  if (chosen.empty()) return html_section("chosen", "Chosen designs", "", "<p class=\"gap\">The sweep chose none.</p>");
+  std::string body = problems(chosen) + values(sweep, table, chosen);
+  if (std::any_of(chosen.begin(), chosen.end(), [](const auto& d) { return d.problem.empty(); }))
+    body +=
+        "<h3>MTF</h3>\n" + html_chart("curves", static_curves(chosen)) +
+        "<p>What each component leaves of the modulation at Nyquist, along x; the metric <code>mtf_nyquist</code> is "
+        "the geometric mean of both axes:</p>\n" +
+        component_budget(chosen) + images(chosen, scene) + noise_budget(chosen, sweep.temperature_k);
+  if (sweep.single()) return html_section("chosen", "Data sheet", html(chosen[0].name), body);
+  return html_section("chosen", "Chosen designs", "The best of each objective, and some from along the Pareto front.",
+                      body);
+}
+
+// Simulated images of the chosen designs, as `mtf simulate` makes them, of one scene.
 
 void simulate_chosen(std::vector<ChosenDesign>& designs, const std::string& scene, double temperature_k,
                      const Global& global) {

@@ -55,6 +55,136 @@ double filled_by_dark(const Sensor& sensor, const Budget<double>& budget) {
 
 double middle_um(const Sensor& sensor) { return 0.5 * (sensor.curves.band.lo_um + sensor.curves.band.hi_um); }
 
+/// What the noise of a thermal detector is known by; an NETD at another f-number than the camera's, how it gets there.
+std::string given_noise_doc(const ThermalSettings& thermal, const Camera<double>& of) {
+  const bool camera = thermal.netd_of == NetdOf::camera;
+  std::string doc = thermal.netd_k ? (camera ? "noise of the camera by its NETD" : "noise of the detector by its NETD")
+                                   : std::string("noise of the detector by its NEP or D*");
+  if (thermal.netd_f_number && of.f_number != *thermal.netd_f_number)
+    doc += ": at f/" + mtf::format_double(*thermal.netd_f_number) + ", here f/" + mtf::format_double(of.f_number) +
+           ", in proportion to " + (of.cone == Cone::sine ? "4 N^2" : "4 N^2 + 1") + " as [optics] cone = \"" +
+           std::string(kConeNames[static_cast<std::size_t>(of.cone)]) + "\" has it";
+  return doc + (camera ? ", less the rounding to counts" : "");
+}
+
+/// The temporal noise of a thermal detector in volts: the terms of the physics, or the one that is given.
+std::vector<BudgetRow> thermal_noise_rows(const Sensor& sensor, const Camera<double>& camera,
+                                          const Pixel<double>& pixel, const Budget<double>& b) {
+  const ThermalSettings& thermal = *sensor.settings.thermal;
+  const double volts = pixel.volts_per_watt;
+  const ThermalNoise<double> noise = thermal_noise_of(sensor.settings, pixel, thermal_reference(sensor));
+  const double readout = volts * noise.readout_w;
+  std::vector<BudgetRow> terms;
+  if (thermal.physics())
+    terms = {{"thermal_fluctuation", "V", volts * noise.fluctuation_w, "fluctuation of the pixel's temperature"},
+             {"johnson", "V", volts * noise.johnson_w, "Johnson noise of its resistance"},
+             {"flicker", "V", volts * noise.flicker_w, "1/f noise from lowest_frequency to noise_bandwidth"}};
+  else
+    terms = {{"detector", "V", std::sqrt(std::max(b.read_e * b.read_e - readout * readout, 0.0)),
+              given_noise_doc(thermal, camera)}};
+  terms.push_back({"readout", "V", readout, "noise of the readout"});
+  terms.push_back({"other", "V", b.other_e, "[flicker], row, column and 3-D noise of the frames"});
+  terms.push_back(
+      {"quantisation", "V", b.quantisation_e, "rounding to counts, the part that changes from frame to frame"});
+  const auto largest = std::ranges::max_element(terms, [](const auto& x, const auto& y) { return x.value < y.value; });
+  const std::string name = largest->name;
+  const double share = largest->value * largest->value / (b.temporal_e * b.temporal_e);
+  std::vector<BudgetRow> all;
+  add_rows(all, BudgetGroup::temporal, std::move(terms), true);
+  add_rows(all, BudgetGroup::temporal,
+           {{"temporal", "V", b.temporal_e, "temporal noise, root sum of squares"},
+            {"largest", "", share, "part of the temporal variance that is " + name + ", the largest term"}});
+  return all;
+}
+
+/// What has warmed from a closing of the shutter to the last frame before the next, as a temperature of the scene.
+BudgetRow false_offset(const mtf::System<double>& system, const Sensor& sensor, double signal_per_k) {
+  const ShutterEvents events = shutter_events(sensor.settings);
+  const CameraEmission cool = emission_of(sensor.settings), warm = warmed(cool, events.warming_k(events.interval - 1));
+  const auto volts = [&](const CameraEmission& camera) {
+    return own_light(camera_of(system, sensor), pixel_of(system, sensor), own_radiances(sensor.curves, camera))
+        .total_e();
+  };
+  return {"false_offset", "mK", 1e3 * (volts(warm) - volts(cool)) / signal_per_k,
+          "what shutter_drift adds from a closing of the shutter to the last frame before the next, as a temperature "
+          "of the scene"};
+}
+
+/// The surface whose signal, beside `rest_e`, meets an end of the converter; 0 where none is that cold, infinity where
+/// none is that hot.
+double surface_at_k(const Sensor& sensor, double gain, double rest_e, double end_e) {
+  const SensorSettings& settings = sensor.settings;
+  Surface surface{0.0, sensor.emissivity, settings.scene ? settings.scene->surroundings_k.value_or(0.0) : 0.0};
+  const auto above = [&](double temperature_k) {
+    surface.temperature_k = temperature_k;
+    return gain * scene_radiance(sensor.curves, surface, sensor.path) + rest_e - end_e;
+  };
+  double lo = 1e-3, hi = kMostTemperature_k;
+  if (!(above(lo) < 0.0)) return 0.0;
+  if (!(above(hi) > 0.0)) return mtf::kInfinity;
+  while (hi > lo * (1.0 + 1e-12)) {
+    const double middle = std::sqrt(lo * hi);
+    (above(middle) < 0.0 ? lo : hi) = middle;
+  }
+  return hi;
+}
+
+/// The scenes that the converter takes.
+std::vector<BudgetRow> scene_range(const mtf::System<double>& system, const Sensor& sensor, const Signal<double>& s) {
+  const Pixel<double> pixel = pixel_of(system, sensor);
+  const double gain = electrons_per_radiance(camera_of(system, sensor), pixel);
+  const PixelRange range = range_numbers(sensor.settings, pixel);
+  const auto row = [&](const char* name, double end_e, const char* doc) {
+    BudgetRow end{name, "K", surface_at_k(sensor, gain, s.total_e() - s.scene_e, end_e), doc};
+    if (end.value > 0.0 && std::isfinite(end.value)) return end;
+    end.refused = std::string("no scene is so ") + (end.value > 0.0 ? "hot" : "cold") + " that it gives that count";
+    end.value = std::numeric_limits<double>::quiet_NaN();
+    return end;
+  };
+  return {
+      row("coldest_scene", range.least_e, "surface from which on counts are above 0; raise adc.offset for colder ones"),
+      row("hottest_scene", range.most_e,
+          "surface from which on counts are the largest one; raise adc.volts_per_count, or lower "
+          "detector.counts_per_kelvin, for hotter ones")};
+}
+
+std::vector<BudgetRow> thermal_rows(const mtf::System<double>& system, const Sensor& sensor, const Budget<double>& b) {
+  const Pixel<double> pixel = pixel_of(system, sensor);
+  const ThermalSettings& thermal = *sensor.settings.thermal;
+  const Signal<double>& s = b.signal;
+  std::vector<BudgetRow> all;
+  add_rows(all, BudgetGroup::signal,
+           {{"scene", "V", s.scene_e, "signal of the scene"},
+            {"path", "V", s.path_e, "signal of the path between scene and camera"},
+            {"optics", "V", s.optics_e, "signal of the warm optics"},
+            {"stop", "V", s.stop_e, "signal from around the cone of light"},
+            {"shutter", "V", s.shutter_e, "signal of the closed shutter, taken off"},
+            {"total", "V", s.total_e(), "all signal"},
+            {"absorbed", "W", s.total_e() / pixel.volts_per_watt, "absorbed power, less that of the shutter"},
+            {"responsivity", "V/W", pixel.volts_per_watt * pixel.quantum_efficiency * thermal_reference(sensor).middle,
+             "volts for a watt of incident power at the middle of the band"},
+            {"signal_per_k", "V/K", b.signal_per_k, "volts per kelvin of the scene"}});
+  for (BudgetRow& row : thermal_noise_rows(sensor, camera_of(system, sensor), pixel, b)) all.push_back(std::move(row));
+  add_spatial_rows(all, b, "V", "the offset (dsnu, or its map)");
+  add_rows(all, BudgetGroup::sensitivity,
+           {{"snr", "", b.snr, "scene / temporal noise"},
+            {"netd", "mK", 1e3 * b.netd_k, "noise-equivalent temperature difference, temporal"},
+            {"spatial_netd", "mK", 1e3 * b.spatial_netd_k, "the same from the spatial noise"},
+            {"nei", "W m^-2", b.nei_ph, "noise-equivalent irradiance, of the scene's spectrum"},
+            {"nep", "W", b.nep_w, "incident power at the middle of the band that equals the temporal noise"}});
+  if (thermal.heat_capacity_j_k && thermal.conductance_w_k)
+    add_rows(all, BudgetGroup::signal,
+             {{"time_constant", "s", *thermal.heat_capacity_j_k / *thermal.conductance_w_k,
+               "heat capacity / conductance of a pixel"}});
+  if (thermal.closes()) add_rows(all, BudgetGroup::signal, {false_offset(system, sensor, b.signal_per_k)});
+  for (BudgetRow& row : all) {
+    row.refused = refusal_of(b, row.value);
+    row.saturated = is_saturated(b, row.value);
+  }
+  if (sensor.settings.adc) add_rows(all, BudgetGroup::signal, scene_range(system, sensor, s));
+  return all;
+}
+
 }  // namespace
 
 AtmosphereSettings atmosphere_with(const Sensor& sensor, const Overrides<double>& numbers) {
@@ -220,140 +350,6 @@ double dstar_of(const mtf::System<double>& system, const Sensor& sensor, const B
     pixel.quantum_efficiency *= evaluate(curve, wavelength_um);
   return dstar_jones(pixel, budget.temporal_e, wavelength_um);
 }
-
-namespace {
-
-/// What the noise of a thermal detector is known by; an NETD at another f-number than the camera's, how it gets there.
-std::string given_noise_doc(const ThermalSettings& thermal, const Camera<double>& of) {
-  const bool camera = thermal.netd_of == NetdOf::camera;
-  std::string doc = thermal.netd_k ? (camera ? "noise of the camera by its NETD" : "noise of the detector by its NETD")
-                                   : std::string("noise of the detector by its NEP or D*");
-  if (thermal.netd_f_number && of.f_number != *thermal.netd_f_number)
-    doc += ": at f/" + mtf::format_double(*thermal.netd_f_number) + ", here f/" + mtf::format_double(of.f_number) +
-           ", in proportion to " + (of.cone == Cone::sine ? "4 N^2" : "4 N^2 + 1") + " as [optics] cone = \"" +
-           std::string(kConeNames[static_cast<std::size_t>(of.cone)]) + "\" has it";
-  return doc + (camera ? ", less the rounding to counts" : "");
-}
-
-/// The temporal noise of a thermal detector in volts: the terms of the physics, or the one that is given.
-std::vector<BudgetRow> thermal_noise_rows(const Sensor& sensor, const Camera<double>& camera,
-                                          const Pixel<double>& pixel, const Budget<double>& b) {
-  const ThermalSettings& thermal = *sensor.settings.thermal;
-  const double volts = pixel.volts_per_watt;
-  const ThermalNoise<double> noise = thermal_noise_of(sensor.settings, pixel, thermal_reference(sensor));
-  const double readout = volts * noise.readout_w;
-  std::vector<BudgetRow> terms;
-  if (thermal.physics())
-    terms = {{"thermal_fluctuation", "V", volts * noise.fluctuation_w, "fluctuation of the pixel's temperature"},
-             {"johnson", "V", volts * noise.johnson_w, "Johnson noise of its resistance"},
-             {"flicker", "V", volts * noise.flicker_w, "1/f noise from lowest_frequency to noise_bandwidth"}};
-  else
-    terms = {{"detector", "V", std::sqrt(std::max(b.read_e * b.read_e - readout * readout, 0.0)),
-              given_noise_doc(thermal, camera)}};
-  terms.push_back({"readout", "V", readout, "noise of the readout"});
-  terms.push_back({"other", "V", b.other_e, "[flicker], row, column and 3-D noise of the frames"});
-  terms.push_back(
-      {"quantisation", "V", b.quantisation_e, "rounding to counts, the part that changes from frame to frame"});
-  const auto largest = std::ranges::max_element(terms, [](const auto& x, const auto& y) { return x.value < y.value; });
-  const std::string name = largest->name;
-  const double share = largest->value * largest->value / (b.temporal_e * b.temporal_e);
-  std::vector<BudgetRow> all;
-  add_rows(all, BudgetGroup::temporal, std::move(terms), true);
-  add_rows(all, BudgetGroup::temporal,
-           {{"temporal", "V", b.temporal_e, "temporal noise, root sum of squares"},
-            {"largest", "", share, "part of the temporal variance that is " + name + ", the largest term"}});
-  return all;
-}
-
-/// What has warmed from a closing of the shutter to the last frame before the next, as a temperature of the scene.
-BudgetRow false_offset(const mtf::System<double>& system, const Sensor& sensor, double signal_per_k) {
-  const ShutterEvents events = shutter_events(sensor.settings);
-  const CameraEmission cool = emission_of(sensor.settings), warm = warmed(cool, events.warming_k(events.interval - 1));
-  const auto volts = [&](const CameraEmission& camera) {
-    return own_light(camera_of(system, sensor), pixel_of(system, sensor), own_radiances(sensor.curves, camera))
-        .total_e();
-  };
-  return {"false_offset", "mK", 1e3 * (volts(warm) - volts(cool)) / signal_per_k,
-          "what shutter_drift adds from a closing of the shutter to the last frame before the next, as a temperature "
-          "of the scene"};
-}
-
-/// The surface whose signal, beside `rest_e`, meets an end of the converter; 0 where none is that cold, infinity where
-/// none is that hot.
-double surface_at_k(const Sensor& sensor, double gain, double rest_e, double end_e) {
-  const SensorSettings& settings = sensor.settings;
-  Surface surface{0.0, sensor.emissivity, settings.scene ? settings.scene->surroundings_k.value_or(0.0) : 0.0};
-  const auto above = [&](double temperature_k) {
-    surface.temperature_k = temperature_k;
-    return gain * scene_radiance(sensor.curves, surface, sensor.path) + rest_e - end_e;
-  };
-  double lo = 1e-3, hi = kMostTemperature_k;
-  if (!(above(lo) < 0.0)) return 0.0;
-  if (!(above(hi) > 0.0)) return mtf::kInfinity;
-  while (hi > lo * (1.0 + 1e-12)) {
-    const double middle = std::sqrt(lo * hi);
-    (above(middle) < 0.0 ? lo : hi) = middle;
-  }
-  return hi;
-}
-
-/// The scenes that the converter takes.
-std::vector<BudgetRow> scene_range(const mtf::System<double>& system, const Sensor& sensor, const Signal<double>& s) {
-  const Pixel<double> pixel = pixel_of(system, sensor);
-  const double gain = electrons_per_radiance(camera_of(system, sensor), pixel);
-  const PixelRange range = range_numbers(sensor.settings, pixel);
-  const auto row = [&](const char* name, double end_e, const char* doc) {
-    BudgetRow end{name, "K", surface_at_k(sensor, gain, s.total_e() - s.scene_e, end_e), doc};
-    if (end.value > 0.0 && std::isfinite(end.value)) return end;
-    end.refused = std::string("no scene is so ") + (end.value > 0.0 ? "hot" : "cold") + " that it gives that count";
-    end.value = std::numeric_limits<double>::quiet_NaN();
-    return end;
-  };
-  return {
-      row("coldest_scene", range.least_e, "surface from which on counts are above 0; raise adc.offset for colder ones"),
-      row("hottest_scene", range.most_e,
-          "surface from which on counts are the largest one; raise adc.volts_per_count, or lower "
-          "detector.counts_per_kelvin, for hotter ones")};
-}
-
-std::vector<BudgetRow> thermal_rows(const mtf::System<double>& system, const Sensor& sensor, const Budget<double>& b) {
-  const Pixel<double> pixel = pixel_of(system, sensor);
-  const ThermalSettings& thermal = *sensor.settings.thermal;
-  const Signal<double>& s = b.signal;
-  std::vector<BudgetRow> all;
-  add_rows(all, BudgetGroup::signal,
-           {{"scene", "V", s.scene_e, "signal of the scene"},
-            {"path", "V", s.path_e, "signal of the path between scene and camera"},
-            {"optics", "V", s.optics_e, "signal of the warm optics"},
-            {"stop", "V", s.stop_e, "signal from around the cone of light"},
-            {"shutter", "V", s.shutter_e, "signal of the closed shutter, taken off"},
-            {"total", "V", s.total_e(), "all signal"},
-            {"absorbed", "W", s.total_e() / pixel.volts_per_watt, "absorbed power, less that of the shutter"},
-            {"responsivity", "V/W", pixel.volts_per_watt * pixel.quantum_efficiency * thermal_reference(sensor).middle,
-             "volts for a watt of incident power at the middle of the band"},
-            {"signal_per_k", "V/K", b.signal_per_k, "volts per kelvin of the scene"}});
-  for (BudgetRow& row : thermal_noise_rows(sensor, camera_of(system, sensor), pixel, b)) all.push_back(std::move(row));
-  add_spatial_rows(all, b, "V", "the offset (dsnu, or its map)");
-  add_rows(all, BudgetGroup::sensitivity,
-           {{"snr", "", b.snr, "scene / temporal noise"},
-            {"netd", "mK", 1e3 * b.netd_k, "noise-equivalent temperature difference, temporal"},
-            {"spatial_netd", "mK", 1e3 * b.spatial_netd_k, "the same from the spatial noise"},
-            {"nei", "W m^-2", b.nei_ph, "noise-equivalent irradiance, of the scene's spectrum"},
-            {"nep", "W", b.nep_w, "incident power at the middle of the band that equals the temporal noise"}});
-  if (thermal.heat_capacity_j_k && thermal.conductance_w_k)
-    add_rows(all, BudgetGroup::signal,
-             {{"time_constant", "s", *thermal.heat_capacity_j_k / *thermal.conductance_w_k,
-               "heat capacity / conductance of a pixel"}});
-  if (thermal.closes()) add_rows(all, BudgetGroup::signal, {false_offset(system, sensor, b.signal_per_k)});
-  for (BudgetRow& row : all) {
-    row.refused = refusal_of(b, row.value);
-    row.saturated = is_saturated(b, row.value);
-  }
-  if (sensor.settings.adc) add_rows(all, BudgetGroup::signal, scene_range(system, sensor, s));
-  return all;
-}
-
-}  // namespace
 
 std::vector<BudgetRow> budget_rows(const mtf::System<double>& system, const Sensor& sensor,
                                    const Budget<double>& budget) {

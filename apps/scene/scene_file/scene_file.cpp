@@ -151,83 +151,6 @@ void note_unused(SceneReader& s) {
   note("mesh", s.mesh_names, s.used_meshes, "no region has faces of this mesh");
 }
 
-}  // namespace
-
-void read_value(SceneReader& s, const Section& section, const FieldInfo& row, std::optional<CameraPath>& value) {
-  std::string file;
-  read_value(s, section, of_type(FieldType::file, row), file);
-  if (!file.empty()) try {
-      value = read_camera_path(file);
-    } catch (const mtf::Error& error) {
-      section.error(row.name, mtf::printable(error.what(), 400));
-    }
-}
-
-void read_value(SceneReader& s, const Section& material, const FieldInfo& row, std::vector<LayerSection>& layers) {
-  const Node* node = material.find(row.name);
-  const std::string remedy =
-      "write layers = [{ conductivity = \"45 W/m/K\", density = \"7800 kg/m3\", heat_capacity = \"480 J/kg/K\", "
-      "thickness = \"20 mm\" }], from the outside inwards";
-  if (node == nullptr) {
-    if (!material.reader.has_failed(material.at(row.name))) material.error(row.name, "missing; " + remedy);
-    return;
-  }
-  const auto is_table = [](const Node& item) { return item.kind == Node::Kind::table; };
-  if (node->kind != Node::Kind::array || node->items.empty() || !std::ranges::all_of(node->items, is_table))
-    return material.error(row.name, "a list of at least one layer belongs here; " + remedy);
-  for (const Node& item : node->items) {
-    const std::string path = material.at("layers[" + std::to_string(layers.size()) + "]");
-    read_table(s, {material.reader, item, path, "a layer of " + material.title}, layers.emplace_back());
-  }
-}
-
-void read_value(SceneReader& s, const Section& material, const FieldInfo& row, Convection& convection) {
-  const Node* node = material.find(row.name);
-  if (node == nullptr) return;
-  if (node->kind == Node::Kind::table) {
-    convection.model = ConvectionModel::linear;
-    return read_table(s, {material.reader, *node, material.at(row.name), "convection of " + material.title},
-                      convection);
-  }
-  if (node->kind != Node::Kind::string)
-    return material.error(row.name, std::string(cfg::kind_word(node->kind)) +
-                                        " where a word or a table belongs; write \"mcadams\", \"tarp\", \"none\" "
-                                        "or { h0 = \"5 W/m2/K\", h1 = \"3.8 W/m2/K/(m/s)\" }");
-  if (const auto word = cfg::read_word(material, row.name, kConvectionWords))
-    convection.model = static_cast<ConvectionModel>(*word);
-}
-
-void read_value(SceneReader& s, const Section& material, const FieldInfo& row, Inside& inside) {
-  const Node* node = material.find(row.name);
-  if (node == nullptr) return;
-  if (node->kind != Node::Kind::table)
-    return material.error(row.name,
-                          std::string(cfg::kind_word(node->kind)) +
-                              " where a table belongs; write for example inside = " + std::string(row.example));
-  const Section section{material.reader, *node, material.at(row.name), "inside of " + material.title};
-  const Node* word = section.find("kind");
-  if (word == nullptr)
-    return section.error("kind",
-                         "missing; write kind = \"adiabatic\", \"fixed\", \"film\", \"flux\", \"sheet\" or "
-                         "\"pair\"");
-  if (!cfg::read_word(section, "kind", kInsideNames)) return;
-  check_rows(section, rows_of<Inside>(word->text));
-  read_rows(s, section, inside, word->text);
-}
-
-void read_value(SceneReader& s, const Section& section, const FieldInfo& row, CloudSource& value) {
-  const Node* cloud = section.find(row.name);
-  if (cloud == nullptr) return;
-  if (cloud->kind == Node::Kind::string && !cloud->text.ends_with("%")) {
-    if (const auto word = cfg::read_word(section, row.name, row.words)) value = static_cast<CloudSource>(*word);
-  } else if (const auto cover = read_si(section, row)) {
-    value = CloudSource::constant;
-    s.scene.sky.cloud_cover = *cover;
-  }
-}
-
-namespace {
-
 /// Whether the file has [ground] and neither meshes nor regions.
 bool is_ground_alone(const SceneReader& s) {
   return s.tree.find("ground") != nullptr && s.tree.find("mesh") == nullptr && s.tree.find("region") == nullptr;
@@ -413,6 +336,79 @@ void read_camera(SceneReader& s) {
 }
 
 }  // namespace
+
+void read_value(SceneReader& s, const Section& section, const FieldInfo& row, std::optional<CameraPath>& value) {
+  std::string file;
+  read_value(s, section, of_type(FieldType::file, row), file);
+  if (!file.empty()) try {
+      value = read_camera_path(file);
+    } catch (const mtf::Error& error) {
+      section.error(row.name, mtf::printable(error.what(), 400));
+    }
+}
+
+void read_value(SceneReader& s, const Section& material, const FieldInfo& row, std::vector<LayerSection>& layers) {
+  const Node* node = material.find(row.name);
+  const std::string remedy =
+      "write layers = [{ conductivity = \"45 W/m/K\", density = \"7800 kg/m3\", heat_capacity = \"480 J/kg/K\", "
+      "thickness = \"20 mm\" }], from the outside inwards";
+  if (node == nullptr) {
+    if (!material.reader.has_failed(material.at(row.name))) material.error(row.name, "missing; " + remedy);
+    return;
+  }
+  const auto is_table = [](const Node& item) { return item.kind == Node::Kind::table; };
+  if (node->kind != Node::Kind::array || node->items.empty() || !std::ranges::all_of(node->items, is_table))
+    return material.error(row.name, "a list of at least one layer belongs here; " + remedy);
+  for (const Node& item : node->items) {
+    const std::string path = material.at("layers[" + std::to_string(layers.size()) + "]");
+    read_table(s, {material.reader, item, path, "a layer of " + material.title}, layers.emplace_back());
+  }
+}
+
+void read_value(SceneReader& s, const Section& material, const FieldInfo& row, Convection& convection) {
+  const Node* node = material.find(row.name);
+  if (node == nullptr) return;
+  if (node->kind == Node::Kind::table) {
+    convection.model = ConvectionModel::linear;
+    return read_table(s, {material.reader, *node, material.at(row.name), "convection of " + material.title},
+                      convection);
+  }
+  if (node->kind != Node::Kind::string)
+    return material.error(row.name, std::string(cfg::kind_word(node->kind)) +
+                                        " where a word or a table belongs; write \"mcadams\", \"tarp\", \"none\" "
+                                        "or { h0 = \"5 W/m2/K\", h1 = \"3.8 W/m2/K/(m/s)\" }");
+  if (const auto word = cfg::read_word(material, row.name, kConvectionWords))
+    convection.model = static_cast<ConvectionModel>(*word);
+}
+
+void read_value(SceneReader& s, const Section& material, const FieldInfo& row, Inside& inside) {
+  const Node* node = material.find(row.name);
+  if (node == nullptr) return;
+  if (node->kind != Node::Kind::table)
+    return material.error(row.name,
+                          std::string(cfg::kind_word(node->kind)) +
+                              " where a table belongs; write for example inside = " + std::string(row.example));
+  const Section section{material.reader, *node, material.at(row.name), "inside of " + material.title};
+  const Node* word = section.find("kind");
+  if (word == nullptr)
+    return section.error("kind",
+                         "missing; write kind = \"adiabatic\", \"fixed\", \"film\", \"flux\", \"sheet\" or "
+                         "\"pair\"");
+  if (!cfg::read_word(section, "kind", kInsideNames)) return;
+  check_rows(section, rows_of<Inside>(word->text));
+  read_rows(s, section, inside, word->text);
+}
+
+void read_value(SceneReader& s, const Section& section, const FieldInfo& row, CloudSource& value) {
+  const Node* cloud = section.find(row.name);
+  if (cloud == nullptr) return;
+  if (cloud->kind == Node::Kind::string && !cloud->text.ends_with("%")) {
+    if (const auto word = cfg::read_word(section, row.name, row.words)) value = static_cast<CloudSource>(*word);
+  } else if (const auto cover = read_si(section, row)) {
+    value = CloudSource::constant;
+    s.scene.sky.cloud_cover = *cover;
+  }
+}
 
 bool SceneResult::ok() const {
   return std::none_of(diagnostics.begin(), diagnostics.end(), [](const Diagnostic& d) { return d.error; });

@@ -19,6 +19,85 @@ constexpr std::size_t kMaxGuess = 64;
 
 bool is_axis_part(std::string_view path) { return path.ends_with("_x") || path.ends_with("_y"); }
 
+// One value of each type, from the tree into a number, word, list or curve; and a number with what is known of it:
+//   rms = { value = "8 urad", fit = true, min = "0 urad", max = "50 urad", prior = { mean, sd }, stderr = "0.1 urad" }
+//   read_noise = { value = "0.03 e-", interval = ["0 e-", "0.11 e-"] }
+
+// No quantity, word or file name is longer; messages and guesses stay short and fast.
+constexpr std::size_t kMaxText = 1024;
+
+bool is_number(std::string_view text) {
+  double value = 0.0;
+  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return status == std::errc{} && end == text.data() + text.size() && std::isfinite(value);
+}
+
+std::optional<double> read_bare(Reader& reader, const Node& node, const FieldInfo& info, const std::string& path) {
+  const std::string name(info.name);
+  if (node.kind == Node::Kind::string) {
+    reader.error(node.position, path,
+                 is_number(node.text)
+                     ? shown(node) + " is a string; write " + name + " = " + node.text + " without quotes"
+                     : shown(node) + " where a plain number belongs; write for example " + name + " = " +
+                           std::string(info.example.empty() ? "1.0" : info.example));
+    return std::nullopt;
+  }
+  if (!node.is_number()) {
+    reader.error(node.position, path, std::string(kind_word(node.kind)) + " where a plain number belongs");
+    return std::nullopt;
+  }
+  if (!std::isfinite(node.number)) {
+    reader.error(node.position, path, shown(node) + " is not finite; write an ordinary number");
+    return std::nullopt;
+  }
+  return node.number;
+}
+
+constexpr std::array<std::string_view, 7> kFitKeys{"value", "fit", "min", "max", "prior", "stderr", "interval"};
+constexpr std::array<std::string_view, 2> kPriorKeys{"mean", "sd"};
+
+/// The other numbers of a fit table, in the unit of its value.
+std::optional<double> read_like(const Section& section, std::string_view key, const Node& node, const FieldInfo& info,
+                                const Scalar& value) {
+  const auto scalar = read_plain(section.reader, node, info, section.at(key));
+  if (!scalar || scalar->unit == value.unit) return scalar ? std::optional(scalar->value) : std::nullopt;
+  const std::string unit(value.unit->name);
+  // Cycles per mm, mrad and pixel are one dimension, but only the frame converts them.
+  if (scalar->unit->dimension != value.unit->dimension || value.unit->dimension == Dimension::frequency) {
+    section.error(key, shown(node) + " does not go with the value in " + unit + "; write it in " + unit);
+    return std::nullopt;
+  }
+  return convert({scalar->value, scalar->unit}, value.unit->name);
+}
+
+/// A fit table; the value of it when usable.
+std::optional<Scalar> read_fit(Reader& reader, const Node& table, const FieldInfo& info, const std::string& path) {
+  const Section section{reader, table, path, "the table of " + std::string(info.name)};
+  const Node* node = find_value(section, info);
+  if (node == nullptr) return std::nullopt;
+  const auto value = read_plain(reader, *node, info, path + ".value");
+  if (!value) {
+    reader.failed.insert(path);
+    return std::nullopt;
+  }
+  FitSpec spec;
+  spec.path = path;
+  if (value->unit != nullptr) spec.unit = value->unit->name;
+  spec.value = value->value;
+  const ReadNumber like = [&](const Section& from, std::string_view key, const Node& number) {
+    return read_like(from, key, number, info, *value);
+  };
+  read_beside_value(section, spec, like, like);
+  reader.fits.push_back(std::move(spec));
+  return value;
+}
+
+std::optional<Scalar> read_plain_or_fit(Reader& reader, const Node& node, const FieldInfo& info,
+                                        const std::string& path) {
+  if (is_over_field(node, info)) return read_over_field(reader, node, info, path);
+  return node.kind == Node::Kind::table ? read_fit(reader, node, info, path) : read_plain(reader, node, info, path);
+}
+
 }  // namespace
 
 void Reader::error(Position position, std::string path, std::string text) {
@@ -163,89 +242,6 @@ void require_no_errors(const std::vector<Diagnostic>& diagnostics, const std::st
     if (diagnostic.error) errors += (errors.empty() ? "" : "\n") + format_diagnostic(diagnostic, file);
   if (!errors.empty()) throw UsageError(errors);
 }
-
-namespace {
-
-// One value of each type, from the tree into a number, word, list or curve; and a number with what is known of it:
-//   rms = { value = "8 urad", fit = true, min = "0 urad", max = "50 urad", prior = { mean, sd }, stderr = "0.1 urad" }
-//   read_noise = { value = "0.03 e-", interval = ["0 e-", "0.11 e-"] }
-
-// No quantity, word or file name is longer; messages and guesses stay short and fast.
-constexpr std::size_t kMaxText = 1024;
-
-bool is_number(std::string_view text) {
-  double value = 0.0;
-  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return status == std::errc{} && end == text.data() + text.size() && std::isfinite(value);
-}
-
-std::optional<double> read_bare(Reader& reader, const Node& node, const FieldInfo& info, const std::string& path) {
-  const std::string name(info.name);
-  if (node.kind == Node::Kind::string) {
-    reader.error(node.position, path,
-                 is_number(node.text)
-                     ? shown(node) + " is a string; write " + name + " = " + node.text + " without quotes"
-                     : shown(node) + " where a plain number belongs; write for example " + name + " = " +
-                           std::string(info.example.empty() ? "1.0" : info.example));
-    return std::nullopt;
-  }
-  if (!node.is_number()) {
-    reader.error(node.position, path, std::string(kind_word(node.kind)) + " where a plain number belongs");
-    return std::nullopt;
-  }
-  if (!std::isfinite(node.number)) {
-    reader.error(node.position, path, shown(node) + " is not finite; write an ordinary number");
-    return std::nullopt;
-  }
-  return node.number;
-}
-
-constexpr std::array<std::string_view, 7> kFitKeys{"value", "fit", "min", "max", "prior", "stderr", "interval"};
-constexpr std::array<std::string_view, 2> kPriorKeys{"mean", "sd"};
-
-/// The other numbers of a fit table, in the unit of its value.
-std::optional<double> read_like(const Section& section, std::string_view key, const Node& node, const FieldInfo& info,
-                                const Scalar& value) {
-  const auto scalar = read_plain(section.reader, node, info, section.at(key));
-  if (!scalar || scalar->unit == value.unit) return scalar ? std::optional(scalar->value) : std::nullopt;
-  const std::string unit(value.unit->name);
-  // Cycles per mm, mrad and pixel are one dimension, but only the frame converts them.
-  if (scalar->unit->dimension != value.unit->dimension || value.unit->dimension == Dimension::frequency) {
-    section.error(key, shown(node) + " does not go with the value in " + unit + "; write it in " + unit);
-    return std::nullopt;
-  }
-  return convert({scalar->value, scalar->unit}, value.unit->name);
-}
-
-/// A fit table; the value of it when usable.
-std::optional<Scalar> read_fit(Reader& reader, const Node& table, const FieldInfo& info, const std::string& path) {
-  const Section section{reader, table, path, "the table of " + std::string(info.name)};
-  const Node* node = find_value(section, info);
-  if (node == nullptr) return std::nullopt;
-  const auto value = read_plain(reader, *node, info, path + ".value");
-  if (!value) {
-    reader.failed.insert(path);
-    return std::nullopt;
-  }
-  FitSpec spec;
-  spec.path = path;
-  if (value->unit != nullptr) spec.unit = value->unit->name;
-  spec.value = value->value;
-  const ReadNumber like = [&](const Section& from, std::string_view key, const Node& number) {
-    return read_like(from, key, number, info, *value);
-  };
-  read_beside_value(section, spec, like, like);
-  reader.fits.push_back(std::move(spec));
-  return value;
-}
-
-std::optional<Scalar> read_plain_or_fit(Reader& reader, const Node& node, const FieldInfo& info,
-                                        const std::string& path) {
-  if (is_over_field(node, info)) return read_over_field(reader, node, info, path);
-  return node.kind == Node::Kind::table ? read_fit(reader, node, info, path) : read_plain(reader, node, info, path);
-}
-
-}  // namespace
 
 std::optional<Scalar> read_plain(Reader& reader, const Node& node, const FieldInfo& info, const std::string& path) {
   reader.positions[path] = node.position;

@@ -112,37 +112,6 @@ std::string read_whole(const std::string& path, std::size_t limit, bool text_bel
   return text;
 }
 
-}  // namespace
-
-std::string read_file(const std::string& path, std::size_t limit) { return read_whole(path, limit, false); }
-std::string read_text_file(const std::string& path, std::size_t limit) { return read_whole(path, limit, true); }
-
-Curve parse_curve_csv(std::string_view text, const std::string& source) {
-  const Unit* unit = nullptr;
-  CsvNumbers numbers = read_csv_numbers(text, source, kHeaderRemedy, [&](const auto& cells, const std::string& where) {
-    const CurveColumns columns = choose_columns(cells, where);
-    unit = columns.unit;
-    return std::vector{columns.frequency, columns.value};
-  });
-  std::vector<double>&frequency = numbers.column[0], &value = numbers.column[1];
-  for (std::size_t i = 0; i < frequency.size(); ++i) {
-    const auto fail = [&](const std::string& why) {
-      return UsageError(source + ":" + std::to_string(numbers.line[i]) + ": " + why);
-    };
-    const double f = frequency[i], v = value[i];
-    if (f < 0.0) throw fail("negative frequency " + format_double(f) + "; MTFs start at 0");
-    if (i > 0 && f <= frequency[i - 1])
-      throw fail("frequency " + format_double(f) + " after " + format_double(frequency[i - 1]) +
-                 "; frequencies have to increase");
-    if (std::abs(v) > 1.05) throw fail("|MTF| " + format_double(v) + " above 1.05; divide by 100 if it is in percent");
-  }
-  return make_curve(source, *unit, std::move(frequency), std::move(value));
-}
-
-Curve read_curve_csv(const std::string& path) { return parse_curve_csv(read_table_text(path), path); }
-
-namespace {
-
 constexpr std::size_t kMaxSampleColumns = 256;
 
 /// The file's rows as cells, with what messages call each.
@@ -257,6 +226,33 @@ std::vector<CurveSamples> measured_curves(const Table& table, std::size_t kind) 
 }
 
 }  // namespace
+
+std::string read_file(const std::string& path, std::size_t limit) { return read_whole(path, limit, false); }
+std::string read_text_file(const std::string& path, std::size_t limit) { return read_whole(path, limit, true); }
+
+Curve parse_curve_csv(std::string_view text, const std::string& source) {
+  const Unit* unit = nullptr;
+  CsvNumbers numbers = read_csv_numbers(text, source, kHeaderRemedy, [&](const auto& cells, const std::string& where) {
+    const CurveColumns columns = choose_columns(cells, where);
+    unit = columns.unit;
+    return std::vector{columns.frequency, columns.value};
+  });
+  std::vector<double>&frequency = numbers.column[0], &value = numbers.column[1];
+  for (std::size_t i = 0; i < frequency.size(); ++i) {
+    const auto fail = [&](const std::string& why) {
+      return UsageError(source + ":" + std::to_string(numbers.line[i]) + ": " + why);
+    };
+    const double f = frequency[i], v = value[i];
+    if (f < 0.0) throw fail("negative frequency " + format_double(f) + "; MTFs start at 0");
+    if (i > 0 && f <= frequency[i - 1])
+      throw fail("frequency " + format_double(f) + " after " + format_double(frequency[i - 1]) +
+                 "; frequencies have to increase");
+    if (std::abs(v) > 1.05) throw fail("|MTF| " + format_double(v) + " above 1.05; divide by 100 if it is in percent");
+  }
+  return make_curve(source, *unit, std::move(frequency), std::move(value));
+}
+
+Curve read_curve_csv(const std::string& path) { return parse_curve_csv(read_table_text(path), path); }
 
 std::vector<CurveSamples> parse_curve_samples(std::string_view text, const std::string& source, const Unit* bare) {
   const Table table = split(text, source);
