@@ -162,7 +162,7 @@ CameraFile camera_file(const Characterization& camera, const StacksFile& stacks,
     if (!may_stay) unset(key);
   }
   const Finding* const rate = camera.find("rate");
-  const bool photons = stacks.unit == LightUnit::photons || stacks.unit == LightUnit::irradiance;
+  const bool photons = stacks.tells_photons();
   if (photons && rate->value <= 1.0)
     set("detector.quantum_efficiency", value_with_error(*rate, ""));
   else

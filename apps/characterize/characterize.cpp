@@ -63,7 +63,7 @@ int run_characterize(const CharacterizeCommandOptions& options, const Global& gl
     read = read_stacks(file, nominal, global.threads, [&](double share) { progress.update("reading", share); });
   }
   if (by_emva) {
-    const bool photons = file.unit == LightUnit::photons || file.unit == LightUnit::irradiance;
+    const bool photons = file.tells_photons();
     calib::Emva1288 standard = calib::emva1288(std::move(read.stacks), read.how, photons);
     standard.warnings.insert(standard.warnings.begin(), read.warnings.begin(), read.warnings.end());
     const std::string json = json_document(emva1288_json(standard, file));

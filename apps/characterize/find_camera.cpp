@@ -121,7 +121,7 @@ FoundCamera find_camera(const StacksFile& file, Nominal nominal, ReadStacks read
   found.name = nominal->system.name;
   warn_of_nominal(*nominal, found.camera.warnings);
   const calib::Finding* const rate = found.camera.find("rate");
-  if (rate != nullptr && rate->low95 > 1.0 && (file.unit == LightUnit::photons || file.unit == LightUnit::irradiance))
+  if (rate != nullptr && rate->low95 > 1.0 && file.tells_photons())
     found.camera.warnings.push_back(
         "rate is " + mtf::significant(rate->value, 4) +
         " electrons a photon, more than 1: the photons are stated too low, or the frames are "

@@ -119,7 +119,7 @@ std::string of_planes(const std::string& id, const std::vector<PatternPlane>& pl
 std::string characterize_page(const Characterization& camera, const std::vector<PatternPlane>& planes,
                               const StacksFile& stacks, const PageWords& words) {
   const std::string light = light_label(stacks.unit);
-  const bool photons = stacks.unit == LightUnit::photons || stacks.unit == LightUnit::irradiance;
+  const bool photons = stacks.tells_photons();
   const std::string gap = planes.empty() ? "<p class=\"gap\">There is no dark stack that is not clipped.</p>\n" : "";
   std::string profiles = gap, bars, defects = gap;
   for (const auto& [place, name] : {std::pair{camera.dark, "dark"}, std::pair{camera.bright, "bright"}})

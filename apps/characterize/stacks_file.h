@@ -73,6 +73,7 @@ struct StacksFile {
   std::vector<StackEntry> stacks{};
   bool has_times = true;  ///< every stack states its exposure
 
+  bool tells_photons() const { return unit == LightUnit::photons || unit == LightUnit::irradiance; }
   bool has_blackbodies() const { return unit == LightUnit::temperature || unit == LightUnit::radiance; }
 };
 

@@ -47,7 +47,7 @@ CharacterizeHandle characterized(const FileName& path, const std::string& text, 
     ReadStacks read = read_stacks(file, own, threads, [&](double share) { report(share); });
     control.check();
     if (by_emva) {
-      const bool photons = file.unit == LightUnit::photons || file.unit == LightUnit::irradiance;
+      const bool photons = file.tells_photons();
       calib::Emva1288 standard = calib::emva1288(std::move(read.stacks), read.how, photons);
       standard.warnings.insert(standard.warnings.begin(), read.warnings.begin(), read.warnings.end());
       found.report = json_document(emva1288_json(standard, file));
