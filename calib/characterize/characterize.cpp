@@ -48,35 +48,34 @@ std::vector<Stack*> by_light(std::vector<Stack>& stacks) {
 /// processed, where the mean falls stacks and light are paired wrongly; both are refused.
 void mark_saturated(const std::vector<Stack*>& stacks) {
   const auto noise = [](const Stack& stack) { return stack.sums.squares.value[kTvh]; };
-  const Stack* dark = nullptr;
   for (Stack* const stack : stacks) stack->saturates = false;
-  // The brightest stack that is not full, of strictly less light, and the largest noise of those.
-  const auto below = [&](const Stack& one) {
-    std::pair<const Stack*, double> found{nullptr, 0.0};
-    for (const Stack* const stack : stacks)
-      if (stack->is_usable() && stack->light < one.light) {
-        found.first = stack;
-        found.second = std::max(found.second, noise(*stack));
-      }
-    return found;
+  /// Of the stacks that are not full and have less light than one: the brightest, and the largest noise.
+  struct Below {
+    const Stack* last = nullptr;
+    double peak = 0.0;
   };
-  auto first = stacks.end();
-  for (auto at = stacks.begin(); at != stacks.end(); ++at) {
-    Stack& stack = **at;
+  std::vector<Below> below(stacks.size());
+  Below less, met;  // of less light than the stack at hand, and of all before it
+  const Stack* dark = nullptr;
+  std::size_t first = stacks.size();
+  for (std::size_t i = 0; i < stacks.size(); ++i) {
+    Stack& stack = *stacks[i];
     if (!stack.is_usable()) continue;
     if (dark == nullptr) dark = &stack;
-    const auto [last, peak] = below(stack);
-    if (first == stacks.end() && last != nullptr && last->light > dark->light) {
-      const double expected = (last->sums.mean - dark->sums.mean) / (last->light - dark->light);
-      const double rise = stack.sums.mean - last->sums.mean, due = expected * (stack.light - last->light);
-      if (rise > -1e-3 * due && noise(stack) < 0.67 * peak && peak > 1.5 * noise(*dark)) first = at;
+    if (met.last != nullptr && met.last->light < stack.light) less = met;
+    below[i] = less;
+    if (first == stacks.size() && less.last != nullptr && less.last->light > dark->light) {
+      const double expected = (less.last->sums.mean - dark->sums.mean) / (less.last->light - dark->light);
+      const double rise = stack.sums.mean - less.last->sums.mean, due = expected * (stack.light - less.last->light);
+      if (rise > -1e-3 * due && noise(stack) < 0.67 * less.peak && less.peak > 1.5 * noise(*dark)) first = i;
     }
-    stack.saturates = first != stacks.end();
+    stack.saturates = first != stacks.size();
+    if (!stack.saturates) met = {&stack, std::max(met.peak, noise(stack))};
   }
-  if (first == stacks.end()) return;
-  while (first != stacks.begin()) {
-    Stack& stack = **--first;
-    const Stack* const last = below(stack).first;
+  if (first == stacks.size()) return;
+  while (first-- > 0) {
+    Stack& stack = *stacks[first];
+    const Stack* const last = below[first].last;
     if (!stack.is_usable() || last == nullptr || !(last->light > dark->light) || !(noise(stack) < noise(*last))) return;
     stack.saturates = true;
   }
@@ -100,9 +99,9 @@ double flicker_of(const std::vector<Stack>& stacks, double dark_mean) {
 struct Choice {
   const Stack* dark = nullptr;     ///< in the dark: with the most frames, of those the shortest
   const Stack* longest = nullptr;  ///< in the dark
-  const Stack* bright = nullptr;   ///< with the most light in all its frames, which the noise of a pattern falls with;
-                                   ///< of less than `below`
+  const Stack* bright = nullptr;   ///< with the most light in all its frames, which the noise of a pattern falls with
 };
+/// `below`: of the light of the bright one.
 Choice choice_of(const std::vector<Stack>& stacks, double below = std::numeric_limits<double>::infinity()) {
   Choice choice;
   for (const Stack& s : stacks) {
@@ -154,14 +153,7 @@ class Analysis {
     add({.name = name, .unit = unit, .verdict = Verdict::not_determined, .why = why});
   }
   void add_value(const std::string& name, const std::string& unit, const Estimate& e, const std::string& from) {
-    const double half = k95_sd * e.sd;
-    add({.name = name,
-         .unit = unit,
-         .value = e.value,
-         .sd = e.sd,
-         .low95 = e.value - half,
-         .high95 = e.value + half,
-         .from = from});
+    add(finding_of(name, unit, e, from));
   }
   /// The root of a variance in counts^2, over `divisor`: a value where the variance is clearly above 0, else a limit.
   void add_rms(const std::string& name, const std::string& unit, const VarianceComponent& c, const Estimate& divisor,
@@ -515,6 +507,17 @@ void drop_planes(std::vector<Stack>& stacks) {
   const Choice lower = choice_of(stacks, most);
   for (Stack& s : stacks)
     if (&s != keep.dark && &s != keep.longest && &s != keep.bright && &s != lower.bright) s.sums.pattern = mtf::Image();
+}
+
+Finding finding_of(const std::string& name, const std::string& unit, const Estimate& e, const std::string& from) {
+  const double half = k95_sd * e.sd;
+  return {.name = name,
+          .unit = unit,
+          .value = e.value,
+          .sd = e.sd,
+          .low95 = e.value - half,
+          .high95 = e.value + half,
+          .from = from};
 }
 
 const Finding* Characterization::find(std::string_view name) const {

@@ -88,6 +88,9 @@ struct Finding {
   std::string why{};                      ///< it is not determined
 };
 
+/// A number with its 95 % interval of normal errors.
+Finding finding_of(const std::string& name, const std::string& unit, const Estimate& e, const std::string& from);
+
 struct Characterization {
   std::vector<Stack> stacks;  ///< by light, then time
   std::vector<int> level_of;  ///< of each stack in `transfer.levels`; -1: left out

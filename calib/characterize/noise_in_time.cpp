@@ -8,7 +8,6 @@
 #include <cmath>
 
 #include "calib/characterize/characterize.h"
-#include "calib/fit/fit_report.h"
 #include "mtf/words.h"
 
 namespace calib {
@@ -45,16 +44,8 @@ void add_noise_in_time(const std::vector<Stack>& stacks, std::vector<Finding>& f
     if (clearest == nullptr || clear(one) > clear(*clearest)) clearest = &one;
   }
   if (least == nullptr) return;
-  if (const Estimate& e = least->sums.frame_correlation; e.sd > 0.0) {
-    const double half = k95_sd * e.sd;
-    findings.push_back({.name = "frame_correlation",
-                        .unit = "",
-                        .value = e.value,
-                        .sd = e.sd,
-                        .low95 = e.value - half,
-                        .high95 = e.value + half,
-                        .from = least->name + ", a pixel's noise in successive frames"});
-  }
+  if (const Estimate& e = least->sums.frame_correlation; e.sd > 0.0)
+    findings.push_back(finding_of("frame_correlation", "", e, least->name + ", a pixel's noise in successive frames"));
   if (const Estimate& e = clearest->sums.frame_correlation; std::abs(e.value) > std::max(kLeast, kSure_sd * e.sd))
     warnings.push_back(
         clearest->name + ": the noise of a pixel is correlated from frame to frame (" + mtf::significant(e.value, 2) +

@@ -35,7 +35,8 @@ StackSummary summary_of(const StackStatistics& stack) {
   for (std::size_t k = 0; k < kLags.size(); ++k)
     if (stack.width() > std::abs(kLags[k].columns) && stack.height() > kLags[k].rows)
       s.covariance[k] = stack.covariance(kLags[k]);
-  s.variance_sd = stack.variance_sd();
+  const PixelNoise noise = stack.pixel_noise();
+  s.variance_sd = noise.variance_sd;
   const double T = s.squares.frames, kept = static_cast<double>(stack.pixels_kept()), v = s.squares.value[kTvh];
   if (s.frames > 2 && v > 0.0) {
     // Rows, columns and frames that share noise are fewer than pixels, and their sums scatter by the share's square.
@@ -51,10 +52,10 @@ StackSummary summary_of(const StackStatistics& stack) {
     const double of_pixels =
         (static_cast<double>(stack.pixels()) * square(s.variance_sd) + square(all)) / (1.0 + 2.0 / (T - 1.0));
     squares += std::max(0.0, of_pixels - square(all)) / kept;
-    s.frame_correlation = {stack.frame_correlation(), std::sqrt((T - 2.0) * squares) / ((T - 1.0) * all)};
+    s.frame_correlation = {noise.frame_correlation, std::sqrt((T - 2.0) * squares) / ((T - 1.0) * all)};
   }
   s.looked_at = stack.pixels_kept();
-  s.noisy = stack.pixels_above(f_quantile(1.0 - kNoisy_p, T - 1.0, (T - 1.0) * kept));
+  s.noisy = stack.pixels_above(noise.variance * f_quantile(1.0 - kNoisy_p, T - 1.0, (T - 1.0) * kept));
   s.share_low = stack.share_low();
   s.share_high = stack.share_high();
   s.von_neumann = stack.von_neumann();

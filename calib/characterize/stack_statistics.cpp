@@ -279,31 +279,26 @@ double StackStatistics::kept_variance(std::int64_t i) const {
   return (squares_[static_cast<std::size_t>(i)] - sum * sum / T) / (T - 1.0);
 }
 
-double StackStatistics::mean_kept_variance() const {
-  double sum = 0.0;
-  for (std::int64_t i = 0; i < pixels_kept(); ++i) sum += kept_variance(i) / static_cast<double>(pixels_kept());
-  return sum;
-}
-
-double StackStatistics::variance_sd() const {
+PixelNoise StackStatistics::pixel_noise() const {
   const auto n = static_cast<double>(pixels_kept());
-  const double mean = mean_kept_variance();
+  PixelNoise noise;
+  for (std::int64_t i = 0; i < pixels_kept(); ++i) noise.variance += kept_variance(i) / n;
   double squares = 0.0;
-  for (std::int64_t i = 0; i < pixels_kept(); ++i) squares += (kept_variance(i) - mean) * (kept_variance(i) - mean);
-  return std::sqrt(squares / (n - 1.0) / static_cast<double>(pixels()));
+  for (std::int64_t i = 0; i < pixels_kept(); ++i) {
+    const double about_mean = kept_variance(i) - noise.variance;
+    squares += about_mean * about_mean;
+  }
+  noise.variance_sd = std::sqrt(squares / (n - 1.0) / static_cast<double>(pixels()));
+  if (frames_ > 2 && noise.variance > 0.0) {
+    const long double steps = pixel_steps_ / static_cast<long double>((frames_ - 1) * pixels_kept());
+    noise.frame_correlation = static_cast<double>(1.0L - steps / (2.0L * noise.variance));
+  }
+  return noise;
 }
 
-double StackStatistics::frame_correlation() const {
-  const double mean = mean_kept_variance();
-  if (frames_ < 3 || !(mean > 0.0)) return 0.0;
-  const long double steps = pixel_steps_ / static_cast<long double>((frames_ - 1) * pixels_kept());
-  return static_cast<double>(1.0L - steps / (2.0L * mean));
-}
-
-std::int64_t StackStatistics::pixels_above(double factor) const {
-  const double limit = factor * mean_kept_variance();
+std::int64_t StackStatistics::pixels_above(double variance) const {
   std::int64_t above = 0;
-  for (std::int64_t i = 0; i < pixels_kept(); ++i) above += kept_variance(i) > limit ? 1 : 0;
+  for (std::int64_t i = 0; i < pixels_kept(); ++i) above += kept_variance(i) > variance ? 1 : 0;
   return above;
 }
 

@@ -42,6 +42,17 @@ struct CountRange {
   double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
 };
 
+/// What the noise of pixels is in time, of those whose squares are kept.
+struct PixelNoise {
+  double variance = 0.0;  ///< mean over the pixels
+  double variance_sd =
+      0.0;  ///< of that mean over all pixels, from the scatter: for any distribution of independent ones
+  /// Correlation in successive frames, 1 - (mean square of the differences) / (twice the variance): 0 for frames of
+  /// independent noise, whatever it is, above it for 1/f noise, lag and averages over frames (J. von Neumann, Ann.
+  /// Math. Stat. 12, 367 (1941)). 0 for two frames, which do not tell.
+  double frame_correlation = 0.0;
+};
+
 class StackStatistics {
  public:
   /// Throws UsageError for fewer than two rows or columns.
@@ -63,16 +74,9 @@ class StackStatistics {
   /// The three below need two frames; UsageError with fewer.
   radiometry::MeanSquares mean_squares() const;
   Covariance covariance(Lag lag) const;  ///< at one of kLags
-  /// Standard deviation of the mean over the pixels of their temporal variances, from the scatter of these: it holds
-  /// for any distribution of independent pixels.
-  double variance_sd() const;
-  /// Correlation of a pixel's noise in successive frames, 1 - (mean square of the differences) / (twice the variance):
-  /// 0 for frames of independent noise, whatever it is, above it for 1/f noise, lag and averages over frames (J. von
-  /// Neumann, Ann. Math. Stat. 12, 367 (1941)). 0 for two frames, which do not tell.
-  double frame_correlation() const;
-  /// Of the pixels whose squares are kept: those whose variance is above `factor` times the mean, and how many there
-  /// are.
-  std::int64_t pixels_above(double factor) const;
+  PixelNoise pixel_noise() const;
+  /// Of the pixels whose squares are kept: those whose variance is above it, and how many there are.
+  std::int64_t pixels_above(double variance) const;
   std::int64_t pixels_kept() const { return static_cast<std::int64_t>(squares_.size()); }
 
   /// Parts of all values that are at the ends of the range.
@@ -92,7 +96,6 @@ class StackStatistics {
   std::vector<Part> reduce(std::span<const mtf::ImageView<const float>> frames, int threads);
   void take(std::span<const Part> frame);
   double kept_variance(std::int64_t i) const;
-  double mean_kept_variance() const;
 
   std::int64_t width_, height_, frames_ = 0, low_ = 0, high_ = 0;
   CountRange range_;

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "calib/characterize/rounding.h"
 #include "calib/fit/confidence/adequacy.h"
 #include "calib/fit/fit_report.h"
 #include "mtf/error.h"

@@ -399,7 +399,7 @@ TEST(Characterize, SumsAreThoseOfTheDefinitions) {
     expect_near(squares.value[radiometry::kTvh], rest / ((kCount - 1) * (kHeight - 1) * (kWidth - 1)), "tvh");
     long double scatter = 0.0L;
     for (const long double v : variance) scatter += (v - mean_of(variance)) * (v - mean_of(variance));
-    expect_near(one.variance_sd(), std::sqrt(scatter / (kSize - 1) / kSize), "variance_sd");
+    expect_near(one.pixel_noise().variance_sd, std::sqrt(scatter / (kSize - 1) / kSize), "variance_sd");
     for (const Lag lag : kLags) {
       long double sum = 0.0L;
       std::int64_t pairs = 0;
@@ -421,11 +421,11 @@ TEST(Characterize, SumsAreThoseOfTheDefinitions) {
     for (std::size_t t = 1; t < kCount; ++t)
       for (std::size_t i = 0; i < kSize; ++i)
         steps += (value(t, i) - value(t - 1, i)) * (value(t, i) - value(t - 1, i));
-    EXPECT_NEAR(one.frame_correlation(),
+    EXPECT_NEAR(one.pixel_noise().frame_correlation,
                 static_cast<double>(1.0L - steps / ((kCount - 1) * kSize) / (2.0L * mean_of(variance))), tolerance);
-    EXPECT_EQ(one.frame_correlation(), many.frame_correlation());
+    EXPECT_EQ(one.pixel_noise().frame_correlation, many.pixel_noise().frame_correlation);
     EXPECT_EQ(one.mean_squares().value, many.mean_squares().value);
-    EXPECT_EQ(one.variance_sd(), many.variance_sd());
+    EXPECT_EQ(one.pixel_noise().variance_sd, many.pixel_noise().variance_sd);
     EXPECT_EQ(one.von_neumann(), many.von_neumann());
     EXPECT_EQ(one.step(), unit == 1.0 ? 1U : 0U);
     EXPECT_EQ(many.step(), one.step());
