@@ -235,8 +235,9 @@ Found find_place(const SensorView& view, std::string_view name) {
 bool overlap(std::string_view path, std::string_view other) {
   const auto within = [](std::string_view part, std::string_view whole) {
     return part == whole ||
-           (part.starts_with(whole) && (part.substr(whole.size()) == "_x" || part.substr(whole.size()) == "_y" ||
-                                        part.substr(whole.size()).starts_with("[")));
+           (part.starts_with(whole) &&
+            (part.substr(whole.size()) == "_x" || part.substr(whole.size()) == "_y" ||
+             part.substr(whole.size()).starts_with("[") || part.substr(whole.size()).starts_with(".")));
   };
   const auto replaces = [](std::string_view map, std::string_view number) {
     const std::string_view key = map_in_place_of(number);

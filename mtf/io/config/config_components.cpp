@@ -236,12 +236,14 @@ Origin read_components(const Section& root, System<double>& system) {
   return origin;
 }
 
+bool is_field_term(std::string_view key) { return key == kConstant || term_of(key); }
+
 bool is_over_field(const Node& node, const FieldInfo& info) {
   if (node.kind == Node::Kind::string) return is_angle(info) && node.text == kTurns;
   if (node.kind != Node::Kind::table || node.members.empty()) return false;
   // Keys of a fit are longer than those of terms, which may be mistyped.
   const auto any = [&](const auto& is) { return std::any_of(node.members.begin(), node.members.end(), is); };
-  if (any([](const Member& member) { return member.key == kConstant || term_of(member.key); })) return true;
+  if (any([](const Member& member) { return is_field_term(member.key); })) return true;
   constexpr std::size_t kShort = 2;
   return !any([](const Member& member) { return member.key.size() > kShort; });
 }

@@ -66,6 +66,34 @@ const Node* table_of(const Node& root, const Target& target) {
   return target.index < owner->items.size() ? &owner->items[target.index] : nullptr;
 }
 
+/// The number that the file has for a target, its element of a list; null where it has none.
+template <class AnyNode>
+AnyNode* number_at(AnyNode* table, const Target& target) {
+  if (table == nullptr) return nullptr;
+  for (auto& member : table->members) {
+    if (member.key != target.key) continue;
+    if (!target.element) return &member.value;
+    return *target.element < member.value.items.size() ? &member.value.items[*target.element] : nullptr;
+  }
+  return nullptr;
+}
+
+/// Gives a number that term; one that is not over the field yet is that of the optical axis. What is wrong, "" when
+/// nothing is.
+std::string put_term(Node& number, const std::string& term, Node value) {
+  const bool table = number.kind == Node::Kind::table;
+  if (table && !number.members.empty() && !is_over_field(number, {}))
+    return "is a table of a fit; write it with terms in the sensor file";
+  if (!table) {
+    Node terms;
+    terms.position = number.position;
+    terms.members.push_back({"1", number.position, std::move(number)});
+    number = std::move(terms);
+  }
+  child(number, term) = std::move(value);
+  return "";
+}
+
 /// A table { value = ..., fit = ... } takes the place of the whole; a number that of the number in such a table.
 const Node& replaced_node(const Node& old, std::string_view value) {
   return value.starts_with('{') ? old : *number_of(&old);
@@ -81,9 +109,27 @@ Node wanted_node(std::string_view value) {
   return node_of(std::string(value), 0);
 }
 
-std::string new_text(std::string_view text, const Node& root, const Target& target, const std::string& value) {
-  const std::string line = target.key + " = " + value;
+std::string new_text(std::string_view text, const Node& root, const Target& target, std::string value) {
   const Node* table = table_of(root, target);
+  if (!target.term.empty() && table != nullptr) {
+    const Node* number = number_at(table, target);
+    if (number != nullptr && number->kind == Node::Kind::table) {
+      TableText out(text, *number);
+      if (const Node* term = number->find(target.term); term != nullptr)
+        out.replace(replaced_node(*term, value), value);
+      else
+        out.add_line(target.term + " = " + value);
+      return out.text();
+    }
+    if (const auto pair = pair_of_axis(target.key); number == nullptr && pair) number = table->find(*pair);
+    std::string on_axis;
+    if (number != nullptr) {
+      const std::size_t begin = offset_of(text, number->position);
+      on_axis = "1 = " + std::string(text.substr(begin, end_of_value(text, begin) - begin)) + ", ";
+    }
+    value = "{ " + on_axis + target.term + " = " + value + " }";
+  }
+  const std::string line = target.key + " = " + value;
   if (table == nullptr)
     return std::string(text) + (text.ends_with('\n') ? "\n[" : "\n\n[") + target.table + "]\n" + line + "\n";
   TableText out(text, *table);
@@ -113,8 +159,8 @@ std::string new_text(std::string_view text, const Node& root, const Target& targ
 /// The tree that the new text has to have. A fit keeps its marks.
 std::string put_value(Node& root, const Target& target, const Node& value) {
   const Node* table = table_of(root, target);
-  const Node* old = table != nullptr ? table->find(target.key) : nullptr;
-  if (old != nullptr && target.element && *target.element < old->items.size()) old = &old->items[*target.element];
+  const Node* old = number_at(table, target);
+  if (old != nullptr && !target.term.empty()) old = old->find(target.term);
   Node wanted = value;
   if (const Node* number = number_of(old); number != old && value.kind != Node::Kind::table) {
     wanted = *old;
@@ -340,6 +386,13 @@ Targets targets_of(const SensorConfig& sensor) {
 
 std::optional<Target> find_target(const Targets& targets, std::string_view name) {
   if (const auto found = targets.find(name); found != targets.end()) return found->second;
+  if (const std::size_t dot = name.rfind('.'); dot != std::string_view::npos && is_field_term(name.substr(dot + 1))) {
+    auto number = find_target(targets, name.substr(0, dot));
+    if (!number || !number->component || number->table != stage_name(Stage::presample) || !number->term.empty())
+      return std::nullopt;
+    number->term = name.substr(dot + 1);
+    return number;
+  }
   const std::size_t bracket = name.rfind('[');
   if (bracket == std::string_view::npos || !name.ends_with(']')) return std::nullopt;
   const auto found = targets.find(name.substr(0, bracket));
@@ -404,7 +457,9 @@ std::string put(Node& root, const Target& target, Node value) {
     if (*target.element >= size)
       return "the list has " + std::to_string(size) + " elements, counted from 0; write a longer one (with zeros) in " +
              "the sensor file";
-    child(table, target.key).items[*target.element] = std::move(value);
+    Node& old = child(table, target.key).items[*target.element];
+    if (!target.term.empty()) return put_term(old, target.term, std::move(value));
+    old = std::move(value);
     return "";
   }
   if (const auto pair = pair_of_axis(target.key)) {
@@ -415,12 +470,17 @@ std::string put(Node& root, const Target& target, Node value) {
       child(table, *pair + "_y") = copy;
     }
   } else {
-    remove(table, target.key + "_x");
-    remove(table, target.key + "_y");
+    const std::string x = target.key + "_x", y = target.key + "_y";
+    if (!target.term.empty() && (table.find(x) != nullptr || table.find(y) != nullptr))
+      return "the sensor file gives " + x + " and " + y + "; name one of them";
+    remove(table, x);
+    remove(table, y);
   }
   Node& old = child(table, target.key);
+  if (!target.term.empty()) return put_term(old, target.term, std::move(value));
   if (is_over_field(old, {}) && value.kind != Node::Kind::table)
-    return "it changes over the field of view; set its terms in the sensor file, with 1 = ... for the optical axis";
+    return "it changes over the field of view; name one of its terms, such as " + target.key +
+           ".r2, or 1 for the optical axis";
   old = std::move(value);
   return "";
 }
@@ -448,13 +508,20 @@ std::string without_value(const SensorConfig& config, std::string_view parameter
   const cfg::Node* table = at.table();
   if (table == nullptr || target.element || table->find(target.key) == nullptr)
     throw UsageError(where + "the file does not state it");
-  cfg::TableText out(config.text, *table);
-  out.remove_line(target.key);
+  // Of a number with one term more than that, the term.
+  const cfg::Node* number = cfg::number_at(table, target);
+  const bool term = !target.term.empty() && number->members.size() > 1;
+  if (!target.term.empty() && number->find(target.term) == nullptr)
+    throw UsageError(where + "the file does not state it");
+  cfg::TableText out(config.text, term ? *number : *table);
+  out.remove_line(term ? target.term : target.key);
   std::string text = out.text();
   cfg::Node expected = at.tree.root;
   for (cfg::Member& member : expected.members)
-    if (member.key == target.table)
-      cfg::remove(target.component ? member.value.items.at(target.index) : member.value, target.key);
+    if (member.key == target.table) {
+      cfg::Node& from = target.component ? member.value.items.at(target.index) : member.value;
+      cfg::remove(term ? *cfg::number_at(&from, target) : from, term ? target.term : target.key);
+    }
   cfg::require_tree(text, expected, where + "cannot be taken out", target);
   return text;
 }
@@ -475,6 +542,8 @@ std::string stated_value(const SensorConfig& config, std::string_view parameter)
                                   ", counted from 0"));
     value = &value->items[*target.element];
   }
+  if (value != nullptr && !target.term.empty())
+    value = value->kind == cfg::Node::Kind::table ? value->find(target.term) : nullptr;
   if (value == nullptr) return {};
   const std::size_t begin = cfg::offset_of(config.text, cfg::number_of(value)->position);
   return config.text.substr(begin, cfg::end_of_value(config.text, begin) - begin);

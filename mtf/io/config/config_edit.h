@@ -4,7 +4,8 @@
 // Changes of a sensor file. Of its text, where what is edited is found by the positions of the tree; and of values in
 // the tree before it is read, which is what schedules and trade studies do, so that units, bounds and defaults are
 // those of the file. Parameters are called as messages and `mtf config explain` call them, the label of a component
-// before its field: "jitter.rms", "presample[1].rms", "wavefront.zernike[3]".
+// before its field: "jitter.rms", "presample[1].rms", "wavefront.zernike[3]"; a term of a number that changes over the
+// field of view behind it: "wavefront.w131.r", "wavefront.w131.1" on the optical axis.
 
 #include <map>
 #include <optional>
@@ -72,11 +73,12 @@ struct Target {
   bool component = false;
   std::string key{};
   std::optional<std::size_t> element{};  ///< of a list
+  std::string term{};                    ///< of a number that changes over the field; "" for the whole number
 
   /// As diagnostics call it: "presample[1].rms".
   std::string path() const {
     return table + (component ? "[" + std::to_string(index) + "]" : "") + "." + key +
-           (element ? "[" + std::to_string(*element) + "]" : "");
+           (element ? "[" + std::to_string(*element) + "]" : "") + (term.empty() ? "" : "." + term);
   }
 };
 
@@ -86,7 +88,8 @@ using Targets = std::map<std::string, Target, std::less<>>;
 /// Every parameter of the frame, the optics, the components and the other tables in the file, not elements of lists.
 Targets targets_of(const SensorConfig& sensor);
 
-/// The target of "owner.field" or "owner.field[3]"; null when there is none.
+/// The target of "owner.field", "owner.field[3]" or, of components before the sampling, "owner.field.r2"; null when
+/// there is none.
 std::optional<Target> find_target(const Targets& targets, std::string_view name);
 
 /// "the sensor has no parameter 'jiter.rms'; did you mean ...".
@@ -98,7 +101,8 @@ Node node_of(const std::string& cell, int line);
 /// "rms" for "rms_x" and "rms_y", none for other keys. A pair of axes is written as one value or as two, never as both.
 std::optional<std::string> pair_of_axis(std::string_view key);
 
-/// Puts the value into the tree, and takes out what it replaces (pitch for pitch_x). What is wrong, "" when nothing is.
+/// Puts the value into the tree, and takes out what it replaces (pitch for pitch_x). A number that gets a term changes
+/// over the field from then on. What is wrong, "" when nothing is.
 std::string put(Node& root, const Target& target, Node value);
 
 }  // namespace mtf::io::cfg

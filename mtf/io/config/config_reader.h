@@ -124,6 +124,8 @@ void read_beside_value(const Section& table, FitSpec& spec, const ReadNumber& li
 /// A table of terms over the field, or the word that lets an angle turn with the field point: its value on the axis,
 /// when usable. Null for what is neither. In config_components.cpp.
 bool is_over_field(const Node& node, const FieldInfo& info);
+/// One of kFieldTerms, or "1" for the value on the optical axis.
+bool is_field_term(std::string_view key);
 std::optional<Scalar> read_over_field(Reader& reader, const Node& node, const FieldInfo& info, const std::string& path);
 /// Reports terms of numbers that are no component's, such as the focal length.
 void refuse_over_field(Reader& reader);

@@ -178,3 +178,23 @@ TEST(ReplaceValue, AKeyGoesOut) {
        {"optics.aperture", "jitter.rms_x", "diffraction.obscuration", "frame.nothing", "nothing.rms"})
     EXPECT_THROW(static_cast<void>(mtf::io::without_value(sensor, name)), mtf::UsageError) << name;
 }
+
+TEST(ReplaceValue, TermsOfANumberThatChangesOverTheField) {
+  const std::string lens = "[[presample]]\nkind = \"rms_wavefront\"\nrms = ";
+  EXPECT_EQ(after(lens + "{ 1 = 0.05, r2 = 0.1 } # here\n", "rms_wavefront.rms.r2", "0.2"),
+            lens + "{ 1 = 0.05, r2 = 0.2 } # here\n");
+  EXPECT_EQ(after(lens + "{ r2 = 0.1 }\n", "presample[1].rms.1", "0.05"), lens + "{ r2 = 0.1, 1 = 0.05 }\n");
+  // A number that gets a term is that of the optical axis.
+  EXPECT_EQ(after(lens + "0.05\n", "rms_wavefront.rms.x", "0.01"), lens + "{ 1 = 0.05, x = 0.01 }\n");
+  const std::string jitter = "[[presample]]\nkind = \"jitter\"\n";
+  EXPECT_EQ(after(jitter + "rms = \"1 um\"\n", "jitter.rms_y.r2", "2 um"),
+            jitter + "rms_x = \"1 um\"\nrms_y = { 1 = \"1 um\", r2 = \"2 um\" }\n");
+  const SensorConfig config = read(lens + "{ 1 = 0.05, r2 = 0.1 }\n");
+  EXPECT_EQ(mtf::io::stated_value(config, "rms_wavefront.rms.r2"), "0.1");
+  EXPECT_EQ(mtf::io::stated_value(config, "rms_wavefront.rms.xy"), "");
+  expect_says(mtf::io::without_value(config, "rms_wavefront.rms.r2"), {"rms = { 1 = 0.05 }"});
+  expect_says(refusal(lens + "{ r2 = 0.1 }\n", "rms_wavefront.rms", "0.1"), {"name one of its terms"});
+  expect_says(refusal(jitter + "rms_x = \"1 um\"\nrms_y = \"1 um\"\n", "jitter.rms.r2", "1 um"), {"rms_x and rms_y"});
+  expect_says(refusal(lens + "0.05\n", "rms_wavefront.rms.r3", "0.1"), {"no parameter"});
+  expect_says(refusal(lens + "0.05\n", "optics.f_number.r2", "0.1"), {"no parameter"});
+}
