@@ -7,6 +7,7 @@
 #include "apps/live/edits.h"
 #include "mtf/components/component_docs.h"
 #include "mtf/io/config/config_edit.h"
+#include "mtf/io/config/config_reader.h"
 #include "mtf/units.h"
 
 namespace apps::live {
@@ -86,6 +87,25 @@ Json row_json(const Parameter& parameter, const std::string& owner, const std::s
   return row;
 }
 
+/// A number that changes over the field, a row for each of its terms: in its unit, of either sign, without bounds.
+void add_terms(Json& rows, const Parameter& parameter, const std::string& owner, const std::string& key,
+               const cfg::Node& terms) {
+  Parameter term = parameter;
+  term.lo = -HUGE_VAL;
+  term.hi = HUGE_VAL;
+  term.lo_open = term.hi_open = false;
+  for (const cfg::Member& member : terms.members) {
+    Json row = row_json(term, owner, key + "." + member.key, cfg::number_of(&member.value));
+    if (row.contains("number")) {
+      const double size = std::abs(row["number"].get<double>()), reach = size > 0.0 ? 4.0 * size : 1.0;
+      row["low"] = -reach;
+      row["high"] = reach;
+      row["log"] = false;
+    }
+    rows.push_back(std::move(row));
+  }
+}
+
 /// One of the two numbers of a pair.
 Parameter element_of(Parameter pair) {
   pair.type = pair.dimension == mtf::Dimension::none ? Type::whole : Type::number;
@@ -98,14 +118,20 @@ Json rows_json(const std::vector<Parameter>& parameters, const std::string& owne
     const std::string name(parameter.name);
     const cfg::Node* node = value_node(table, name);
     const bool split = parameter.type == Type::size && table != nullptr && table->find(name + "_x") != nullptr;
+    const auto add = [&](const std::string& key) {
+      const cfg::Node* whole = table != nullptr ? table->find(key) : nullptr;
+      if (whole != nullptr && whole->kind == cfg::Node::Kind::table && cfg::is_over_field(*whole, parameter))
+        add_terms(rows, parameter, owner, key, *whole);
+      else
+        rows.push_back(row_json(parameter, owner, key, value_node(table, key)));
+    };
     if (split)
-      for (const char* axis : {"_x", "_y"})
-        rows.push_back(row_json(parameter, owner, name + axis, value_node(table, name + axis)));
+      for (const char* axis : {"_x", "_y"}) add(name + axis);
     else if (parameter.type == Type::pair && node != nullptr && node->items.size() == 2)
       for (const std::size_t i : {0U, 1U})
         rows.push_back(row_json(element_of(parameter), owner, name + "[" + std::to_string(i) + "]", &node->items[i]));
     else
-      rows.push_back(row_json(parameter, owner, name, node));
+      add(name);
   }
   return rows;
 }

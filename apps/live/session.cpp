@@ -417,6 +417,18 @@ Answer Session::figures(const RequestBody& request) {
     throw UsageError("temperature: from 0 to 1e9 K");
   mtf::io::SensorConfig config = *edited;
   Json json;
+  if (!config.system.is_isoplanatic() && config.system.frame.columns > 0) {
+    json["over_field"] = mtf::names_over_field(config.system);
+    const auto x_um = request.number("x_um"), y_um = request.number("y_um");
+    const mtf::Frame<double>& frame = config.system.frame;
+    const double x_px = x_um.value_or(-1.0) / frame.pitch_x_um, y_px = y_um.value_or(-1.0) / frame.pitch_y_um;
+    // A place that the detector no longer has is none.
+    if (x_px >= 0.0 && y_px >= 0.0 && x_px <= frame.columns && y_px <= frame.rows) {
+      const mtf::FieldPoint<double> point = config.system.field_point(x_px, y_px);
+      config.system = system_at(config.system, point);
+      json["place"] = {{"x_px", x_px}, {"y_px", y_px}, {"x", point.x}, {"y", point.y}};
+    }
+  }
   if (has_chain(config) && config.system.band) {
     const LoadedSensor loaded = load_chain(config);
     const BudgetTable budget = budget_table(config, loaded, temperature);

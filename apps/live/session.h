@@ -11,7 +11,7 @@
 //           "utc_s", "may_lag", and with "before" its radiance
 //   stop    {"tab", "generation"}                        that frame is not wanted, which then answers 409
 //   scene   {"edits", "number"}                          facts and pixels of the scene
-//   figures {"edits", "angle", "unit", "temperature"}    curves and budget
+//   figures {"edits", "angle", "unit", "temperature", "x_um", "y_um"}    curves and budget; of a place, where given
 //   value   {"id", "x", "y", "edits", "number"}          values under the cursor
 //   file    {"id", "format"}                             the frame as .exr or .png
 //   start   {}                                           what the page needs once

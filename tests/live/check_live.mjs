@@ -14,13 +14,13 @@ import { checkLooks, placesOf } from "./looks.mjs";
 
 /** The page's curves, pixels and file against those of the other commands. */
 async function compare(run, page, what, counts = 0) {
-  const seen = await page.evaluate(() => ({ curves: window.mtfLive.curves, text: window.mtfLive.text, command: document.getElementById("command").textContent,
+  const seen = await page.evaluate(() => ({ curves: window.mtfLive.curves, at: window.mtfLive.figures.place, text: window.mtfLive.text, command: document.getElementById("command").textContent,
     tolerance: window.mtfLive.state.tolerance, budget: window.mtfLive.figures.budget }));
   writeFileSync(join(run.folder, "seen.toml"), seen.text);
   const frequency = seen.curves.frequency;
   // The command that the page shows, with the names that its files have here.
   const line = seen.command.replace(/^\[ -d mtf-demo \] \|\| mtf demo && /, "").replace(/simulate \S+/, "simulate seen.toml").replace("out.", "again.");
-  const [text] = await Promise.all([run.mtf("curve", "seen.toml", "--format", "json", "--unit", seen.curves.unit, "--freq", `0:${frequency.at(-1)}:${frequency.length}`, "--quiet"), run.shell(`${line} --quiet`)]);
+  const [text] = await Promise.all([run.mtf("curve", "seen.toml", "--format", "json", ...(seen.at ? ["--field", `${seen.at.x_px}px,${seen.at.y_px}px`] : []), "--unit", seen.curves.unit, "--freq", `0:${frequency.at(-1)}:${frequency.length}`, "--quiet"), run.shell(`${line} --quiet`)]);
   const json = JSON.parse(text);
   const modulus = (c) => c.re.map((re, i) => Math.hypot(re, c.im[i]));
   let worst = 0;
@@ -110,6 +110,26 @@ async function checkPage(run, browser) {
   await field(page, "scene.border").selectOption("periodic");
   await settle(page);
   await compare(run, page, "a word");
+
+  // A number that changes over the field has a slider for each term, and curves of the place that is clicked on.
+  await field(page, "jitter.rms").fill('{ 1 = "10 urad", r2 = "30 urad" }');
+  await field(page, "jitter.rms").press("Enter");
+  await settle(page);
+  const onAxis = await page.evaluate(() => window.mtfLive.figures.mtf50);
+  await slide(page, "jitter.rms.r2", 0.8);
+  assert.equal(await page.evaluate(() => window.mtfLive.figures.mtf50), onAxis);
+  await compare(run, page, "a term over the field");
+  const canvas = await page.locator("#view").boundingBox();
+  await page.mouse.click(canvas.x + canvas.width / 2 + 100, canvas.y + canvas.height / 2 + 60);
+  await settle(page);
+  const { place: clicked, mtf50 } = await page.evaluate(() => window.mtfLive.figures);
+  assert.ok(Math.hypot(clicked.x, clicked.y) > 0.1 && mtf50 < onAxis, "the place that was clicked on");
+  const box = await page.locator("#mark").boundingBox();
+  assert.ok(Math.hypot(box.x + box.width / 2 - canvas.x - canvas.width / 2 - 100, box.y + box.height / 2 - canvas.y - canvas.height / 2 - 60) < 2, "the mark");
+  await compare(run, page, "a place in the field");
+  await page.locator("#axis").click();
+  await settle(page);
+  assert.ok(await page.evaluate(() => !window.mtfLive.figures.place && document.getElementById("mark").hidden));
 
   // Components come, go, and are switched off and on; undo takes all of it back.
   await page.locator("select[aria-label='Add to After sampling']").selectOption("unsharp");

@@ -6,8 +6,8 @@ import * as edits from "./history.js";
 
 export const $ = (id) => document.getElementById(id);
 
-/** What a link restores, with the lists of edits. */
-export const state = { tolerance: null, stage: "", number: 0, running: false, left: "scene", palette: "white hot" };
+/** What a link restores, with the lists of edits. `place`: in the focal plane, um, whose curves are shown; null: the axis. */
+export const state = { tolerance: null, stage: "", number: 0, running: false, left: "scene", palette: "white hot", place: null };
 
 export const app = {
   tab: Array.from(crypto.getRandomValues(new Uint32Array(2)), (n) => n.toString(36)).join(""),

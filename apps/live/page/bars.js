@@ -7,7 +7,7 @@ import { download } from "./files.js";
 import { shown } from "./figures.js";
 import * as edits from "./history.js";
 import { names as palettes } from "./palettes.js";
-import { clearProblem, figures, problem, savedName, sceneFile, showFigures, showModel, showTolerance, texts } from "./panels.js";
+import { clearProblem, figures, problem, savedName, sceneFile, setPlace, showFigures, showModel, showTolerance, texts } from "./panels.js";
 import { forgetLeft, pump, run } from "./pictures.js";
 
 /** Something moves. */
@@ -39,8 +39,8 @@ export async function placed(before) {
 }
 
 function remember() {
-  const { tolerance, stage, palette, left } = state;
-  const link = { edits: edits.current(1), kept: edits.current(0), scene: edits.current(edits.SCENE), number: state.number, tolerance, stage, palette, left, editing: edits.side(), view: app.place?.request() };
+  const { tolerance, stage, palette, left, place } = state;
+  const link = { edits: edits.current(1), kept: edits.current(0), scene: edits.current(edits.SCENE), number: state.number, tolerance, stage, palette, left, place, editing: edits.side(), view: app.place?.request() };
   history.replaceState(null, "", `${location.search}#${token}/${edits.encode(link)}`);
 }
 
@@ -102,9 +102,16 @@ function showScale() {
   }, 150);
 }
 
+/** Where the curves are of. */
+function showMark() {
+  const at = app.figures?.over_field && state.place ? app.view.onPage(state.place) : null;
+  $("mark").hidden = !at;
+  if (at) [$("mark").style.left, $("mark").style.top] = at.map((px) => `${px}px`);
+}
+
 export function bars() {
   const { view, controls } = app;
-  view.changedScale = showScale;
+  view.changedScale = () => { showScale(); showMark(); };
   $("undo").onclick = () => back(edits.undo);
   $("redo").onclick = () => back(edits.redo);
   $("run").onclick = toggleRun;
@@ -126,6 +133,7 @@ export function bars() {
   $("number").oninput = () => { state.number = app.start.numbers[Number($("number").value)]; changed(); texts(); };
   $("first-frame").onclick = () => { state.number = app.start.numbers[0] ?? 0; $("number").value = 0; settled(); };
   for (const id of ["angle", "unit", "temperature"]) $(id).onchange = figures;
+  $("axis").onclick = () => setPlace(null);
   $("tolerance").oninput = () => { state.tolerance = Number((10 ** (Number($("tolerance").value) / 100)).toPrecision(2)); showTolerance(true); app.lastName = null; changed(); };
   $("tolerance").onchange = settled;
   $("tolerance-default").onclick = () => { state.tolerance = null; showTolerance(); settled(); };
@@ -158,7 +166,7 @@ export function bars() {
     button.textContent = "Copied";
     setTimeout(() => { button.textContent = words; }, 1200);
   };
-  $("link").onclick = () => copy(location.href, $("link"));
+  $("link").onclick = () => { remember(); copy(location.href, $("link")); };
   $("copy-command").onclick = () => copy($("command").textContent, $("copy-command"));
   $("copy-difference").onclick = () => copy($("difference").textContent, $("copy-difference"));
   document.addEventListener("keydown", keys);

@@ -54,6 +54,15 @@ export function clearProblem(changed = false) {
   say();
 }
 
+/** What is asked of curves and budget, of the place that was clicked on. */
+const aboutFigures = (list, angle, unit) => ({ edits: list, angle, unit, temperature: Number($("temperature").value), ...(state.place && { x_um: state.place[0], y_um: state.place[1] }) });
+
+/** Curves and budget are those of a place in the focal plane, um; null: of the optical axis. */
+export function setPlace(um) {
+  state.place = um;
+  figures();
+}
+
 /** Curves and budget follow the picture. */
 export async function figures() {
   wanted = true;
@@ -66,7 +75,7 @@ export async function figures() {
     surface.toggleAttribute("aria-invalid", !surface.checkValidity());
     surface.title = surface.validationMessage || "temperature of the surface that the budget is for";
     try {
-      if (surface.checkValidity()) showFigures(await ask("figures", { edits: edits.current(), angle: Number($("angle").value) || 0, unit: $("unit").value, temperature: Number(surface.value) }));
+      if (surface.checkValidity()) showFigures(await ask("figures", aboutFigures(edits.current(), Number($("angle").value) || 0, $("unit").value)));
     } catch (error) {
       if (error instanceof Gone) {
         wanted = true;
@@ -85,11 +94,17 @@ export async function figures() {
 const base = () => (state.left === "kept" ? { name: `system (${edits.side() === 1 ? "A" : "B"})`, list: editsOf(1 - edits.side()) } : { name: "system (start)", list: [] });
 
 export function showFigures(next) {
-  const { name, list } = base(), key = JSON.stringify([next.curves.unit, next.curves.angle_deg, list]);
+  const { name, list } = base(), key = JSON.stringify([next.curves.unit, next.curves.angle_deg, state.place, list]);
   if (!baseline[key]) makeBaseline(key, next.curves, list);
   app.curves.show(next, baseline[key]?.curve, name);
   const { cutoff, q, unit, frequency } = next.curves;
   $("merits").textContent = (next.mtf50 ? `MTF50 of the system ${shown(next.mtf50, 4)} ${unit}` : `No MTF50 up to ${shown(frequency.at(-1), 4)} ${unit}`) + (cutoff ? `, cutoff ${shown(cutoff, 4)} ${unit}` : "") + (q ? `, Q ${shown(q, 3)}` : "");
+  if (next.over_field && !next.place) state.place = null; // the detector no longer has it
+  $("field").hidden = !next.over_field;
+  $("field").title = `Changes over the field: ${next.over_field}`;
+  $("field-text").textContent = next.place ? `Of the place ${next.place.x_px.toFixed(1)}, ${next.place.y_px.toFixed(1)} px, field point ${shown(next.place.x, 3)}, ${shown(next.place.y, 3)}.` : "Of the optical axis; the OTF changes over the field: click on the picture for another place.";
+  $("axis").hidden = !next.place;
+  app.view.draw();
   $("budget-panel").hidden = !next.budget;
   if (next.budget) showBudget($("budget"), next.budget);
   $("saturation").textContent = next.saturation ? `A surface of ${next.temperature} K: ${next.saturation}` : "";
@@ -100,7 +115,7 @@ async function makeBaseline(key, { unit, angle_deg: angle }, list) {
   if (Object.keys(baseline).length > 20) baseline = {};
   baseline[key] = {}; // is being made
   try {
-    const made = await ask("figures", { edits: list, angle, unit, temperature: Number($("temperature").value) });
+    const made = await ask("figures", aboutFigures(list, angle, unit));
     baseline[key] = { curve: baseOf(made) };
     if (app.figures) showFigures(app.figures);
   } catch { /* that sensor cannot be drawn: no dashes */ }

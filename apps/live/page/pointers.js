@@ -5,7 +5,9 @@ import { ask, Refused } from "./api.js";
 import { $, app, inSpace, moving, state } from "./app.js";
 import { shown } from "./figures.js";
 import * as edits from "./history.js";
+import { setPlace } from "./panels.js";
 
+const STILL_PX = 3; // a click moves less
 let asking = false, at = null, over = null; // over: where the mouse is on the picture
 const show = (text) => { $("cursor").textContent = text; };
 
@@ -61,14 +63,19 @@ export function pointers() {
     if (!held) return;
     const x = event.clientX - held.x, y = event.clientY - held.y;
     if (held.divider) return setDivider((event.clientX - box.left) / box.width);
-    held = { ...held, x: event.clientX, y: event.clientY };
+    if (!held.moved && Math.hypot(x, y) < STILL_PX) return;
+    held = { ...held, x: event.clientX, y: event.clientY, moved: true };
     if (!inSpace()) view.moveBy(-x * ratio, -y * ratio);
     else if (held.pan) app.place.panBy(-x * ratio * view.scale(), y * ratio * view.scale());
     else app.place.orbitBy(-x * 0.4, y * 0.3);
   };
-  canvas.onpointerup = canvas.onpointercancel = () => {
+  canvas.onpointerup = canvas.onpointercancel = (event) => {
+    const clicked = held && !held.divider && !held.pan && !held.moved && event.type === "pointerup";
     held = null;
     app.place?.hold(false);
+    if (!clicked || !app.figures?.over_field) return;
+    const um = view.place(event), { full_width, full_height, step_x_um, step_y_um } = app.frames[1];
+    if (um[0] >= 0 && um[1] >= 0 && um[0] < full_width * step_x_um && um[1] < full_height * step_y_um) setPlace(um);
   };
   canvas.oncontextmenu = (event) => inSpace() && event.preventDefault();
   canvas.addEventListener("wheel", (event) => {

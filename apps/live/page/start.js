@@ -61,7 +61,7 @@ function restore() {
   const link = location.hash.slice(1).split("/")[1], restored = link ? edits.decode(link) : null;
   if (!restored) return;
   edits.restore(restored.kept, restored.edits, restored.scene);
-  for (const key of ["tolerance", "stage", "palette", "left", "number"]) state[key] = restored[key] ?? state[key];
+  for (const key of ["tolerance", "stage", "palette", "left", "number", "place"]) state[key] = restored[key] ?? state[key];
   app.place?.restore(restored.view);
   if (state.left === "kept" && restored.editing === 0) setEditing(0);
 }

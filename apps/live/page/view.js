@@ -231,6 +231,11 @@ export class View {
     const box = this.canvas.getBoundingClientRect(), ratio = this.canvas.width / box.width, [x, y] = this.corner();
     return [x + (event.clientX - box.left) * ratio * this.scale(), y + (event.clientY - box.top) * ratio * this.scale()];
   }
+  /** Where a place in the focal plane is in the box of the canvas, in pixels of the page. */
+  onPage([x, y]) {
+    const per = this.canvas.getBoundingClientRect().width / this.canvas.width / this.scale(), [left, top] = this.corner();
+    return [(x - left) * per, (y - top) * per];
+  }
   fit() {
     this.zoom = null;
     this.draw();
