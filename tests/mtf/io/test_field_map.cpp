@@ -273,7 +273,8 @@ TEST_F(ConfigFieldMap, WhatCannotBeIsRefused) {
   file("short.csv", "r (mm),w131\n0,0\n5,1\n");
   expect_error(lens + "table = \"short.csv\"\n", {"presample[0].w131", "short.csv covers r = 0 to 5 mm", "r = 6.147"});
   file("narrow.csv", "x,y,w131\n-1,-0.3,0\n1,-0.3,0\n0,1,1\n");
-  expect_error(lens + "w131 = { table = \"narrow.csv\" }\n", {"presample[0].w131", "x = -1 to 1", "(-0.7809, -0.6247)"});
+  expect_error(lens + "w131 = { table = \"narrow.csv\" }\n",
+               {"presample[0].w131", "x = -1 to 1", "(-0.7809, -0.6247)"});
   file("typo.csv", "r,w113\n0,0\n1,1\n");
   expect_error(lens + "table = \"typo.csv\"\n", {"the column w113 is no number", "w131"});
   file("two.csv", "r,a,b\n0,0,0\n1,1,1\n");
