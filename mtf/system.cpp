@@ -93,14 +93,25 @@ std::vector<FieldPoint<double>> points_over_field(const System<double>& system) 
 /// What is wrong with a component somewhere in the image, the first place of each.
 std::vector<Problem> wrong_over_field(const System<double>& system, std::size_t entry) {
   std::vector<Problem> problems;
+  System<double> alone = system;
+  std::erase_if(alone.field.numbers, [entry](const auto& number) { return number.entry != entry; });
+  const bool mapped =
+      std::ranges::any_of(alone.field.numbers, [](const auto& number) { return number.map != nullptr; });
+  if (!mapped) alone.half_diagonal_um = 1.0;  // at() asks for a size
   for (const FieldPoint<double>& q : points_over_field(system)) {
-    System<double> here = system;
-    here.half_diagonal_um = 1.0;  // at() asks for a size
-    here = here.at(q);
-    for (Problem& problem : here.list(Stage::presample)[entry].component.check(here.context())) {
-      if (!problem.error) continue;
+    const auto add = [&](Problem problem) {
       problem.text += " at the field point (" + significant(q.x, 3) + ", " + significant(q.y, 3) + ")";
       problems.push_back(std::move(problem));
+    };
+    try {
+      const System<double> here = alone.at(q);
+      for (Problem& problem : here.list(Stage::presample)[entry].component.check(here.context()))
+        if (problem.error) add(std::move(problem));
+    } catch (const UsageError& error) {  // outside a map
+      const auto with_map =
+          std::ranges::find_if(alone.field.numbers, [](const auto& number) { return number.map != nullptr; });
+      const auto fields = alone.list(Stage::presample)[entry].component.fields();
+      add({.field = std::string(fields[with_map->field].info->name), .text = error.what()});
     }
     if (!problems.empty()) break;
   }

@@ -62,6 +62,11 @@ struct System {
   /// at(), functions of a system that is not isoplanatic speak of its optical axis. Throws UsageError where a component
   /// depends on the place in um and neither the frame's format nor half_diagonal_um says how large the detector is.
   System at(const FieldPoint<S>& q) const;
+  /// What the map of a number has at a field point, in the unit of the number. Throws UsageError outside the positions
+  /// of the map, and where they need a size of the detector that nobody says.
+  S mapped(const FieldNumber<S>& number, const FieldPoint<S>& q) const;
+  /// By what a number differs there from its value on the axis. Throws as mapped().
+  S change(const FieldNumber<S>& number, const FieldPoint<S>& q) const;
   /// Half the diagonal of the detector: the unit of field points; 0 where nothing says it.
   S field_radius_um() const;
   /// The field point of a place on the detector, in pixels from its corner; needs the frame's format.

@@ -70,6 +70,10 @@ void require_no_file(const Parameter& parameter, const Edit& edit) {
   if (parameter.type == mtf::FieldType::number_or_file && !is_number(parameter, edit.value))
     throw UsageError(edit.name + ": \"" + edit.value +
                      "\" is no number here; files are named in the sensor file alone");
+  // The terms of numbers over the field may name one too.
+  if (edit.value.starts_with('{') || edit.value.starts_with('['))
+    if (edit.value.find(cfg::kTableKey) != std::string::npos)
+      throw UsageError(edit.name + ": names a file, which the live view does not change; edit the sensor file");
   if (encoding && edit.value != "linear" && edit.value != "srgb" && !edit.value.starts_with("gamma"))
     throw UsageError(edit.name + ": linear, srgb or gamma; files are named in the sensor file alone");
 }

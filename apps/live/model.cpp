@@ -95,6 +95,7 @@ void add_terms(Json& rows, const Parameter& parameter, const std::string& owner,
   term.hi = HUGE_VAL;
   term.lo_open = term.hi_open = false;
   for (const cfg::Member& member : terms.members) {
+    if (!cfg::is_field_term(member.key)) continue;  // a table, which is a file
     Json row = row_json(term, owner, key + "." + member.key, cfg::number_of(&member.value));
     if (row.contains("number")) {
       const double size = std::abs(row["number"].get<double>()), reach = size > 0.0 ? 4.0 * size : 1.0;

@@ -148,6 +148,7 @@ void add_number_definitions(Json& definitions) {
     definitions["fit_" + dimension_name(dimension)] = fit_schema("a number that mtf fit may change", number);
     Json terms = closed_table("a number of a presample component that changes over the field: 1 on the optical axis");
     terms["properties"]["1"] = number;
+    terms["properties"]["table"] = text_schema("CSV file with the number over the field");
     for (const std::string_view term : mtf::kFieldTerms) terms["properties"][std::string(term)] = number;
     Json& field = definitions["field_" + dimension_name(dimension)] = std::move(terms);
     if (dimension == mtf::Dimension::angle)

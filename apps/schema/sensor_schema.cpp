@@ -2,6 +2,8 @@
 
 // `mtf config schema sensor`.
 
+#include <utility>
+
 #include "apps/schema/schema_values.h"
 #include "apps/schema/schemas.h"
 #include "apps/text/json.h"
@@ -17,6 +19,18 @@ Json component_schema(const ComponentKind& kind) {
       {"type", "string"}, {"minLength", 1}, {"description", "its name in tables and files"}};
   table["required"].push_back("kind");
   add_parameters(kind.parameters, table);
+  if (!kind.stages.presample) return table;
+  table["properties"]["table"] = text_schema("CSV file with numbers over the field, columns called as their keys");
+  // Which of the numbers come from there only the file says.
+  Json numbers = Json::object();
+  numbers["required"] = std::exchange(table["required"], {"kind"});
+  if (const Json* sizes = table.find("allOf")) numbers["allOf"] = *sizes;
+  std::erase_if(table.items(), [](const auto& member) { return member.first == "allOf"; });
+  Json with_table = Json::object();
+  with_table["required"] = {"table"};
+  table["anyOf"] = Json::array();
+  table["anyOf"].push_back(std::move(with_table));
+  table["anyOf"].push_back(std::move(numbers));
   return table;
 }
 

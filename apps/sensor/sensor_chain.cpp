@@ -9,6 +9,7 @@
 #include "apps/sensor/sensor_place.h"
 #include "mtf/components/footprint.h"
 #include "mtf/error.h"
+#include "mtf/field/throughput.h"
 #include "mtf/io/csv/spectrum_csv.h"
 #include "mtf/io/csv/tape7.h"
 #include "mtf/io/image_io.h"
@@ -149,7 +150,12 @@ LoadedSensor load_parts(const mtf::io::SensorConfig& config) {
     sensor.offset = map_of(settings.nonuniformity->offset, "nonuniformity.offset", false);
   }
   loaded.source_k = source_temperature_k(settings, config.scene.quantity);
-  if (settings.vignetting) sensor.vignetting = map_of(settings.vignetting->map, "vignetting.map", true);
+  if (settings.vignetting)
+    sensor.vignetting =
+        settings.vignetting->of == radiometry::VignettingOf::wavefront
+            ? at_key("vignetting.of",
+                     [&] { return std::make_shared<const mtf::Image>(mtf::throughput_image(config.system)); })
+            : map_of(settings.vignetting->map, "vignetting.map", true);
   if (settings.detector) require_response(sensor);
   return loaded;
 }

@@ -48,9 +48,9 @@ struct ComponentVariant {
   std::variant<Diffraction<S>, Defocus<S>, Wavefront<S>, RmsWavefront<S>, RandomWavefront<S>, Gaussian<S>,
                Turbulence<S>, Aerosol<S>, Footprint<S>, CircularFootprint<S>, PolygonFootprint<S>, Binning<S>,
                Diffusion<S>, Crosstalk<S>, Tdi<S>, Bolometer<S>, Jitter<S>, LinearMotion<S>, AcceleratedMotion<S>,
-               Vibration<S>, RcLowpass<S>, RcHighpass<S>, Butterworth<S>, CurveOtf<S>, ChargeTransfer<S>, Fir<S>,
-               Boost<S>, SampleAndHold<S>, Unsharp<S>, Interpolation<S>, DisplayCrt<S>, DisplayFlatPanel<S>, Eye<S>,
-               BirefringentFilter<S>, Halo<S>, ImageIntensifier<S>, Psf<S>>
+               Flow<S>, Vibration<S>, RcLowpass<S>, RcHighpass<S>, Butterworth<S>, CurveOtf<S>, ChargeTransfer<S>,
+               Fir<S>, Boost<S>, SampleAndHold<S>, Unsharp<S>, Interpolation<S>, DisplayCrt<S>, DisplayFlatPanel<S>,
+               Eye<S>, BirefringentFilter<S>, Halo<S>, ImageIntensifier<S>, Psf<S>>
       value;
 };
 

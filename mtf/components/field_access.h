@@ -41,8 +41,8 @@ std::vector<FieldRef<S>> field_refs(C& component) {
       table);
 }
 
-/// The number that a field holds: the element of a list; of a pair along the axes the part, 0 x or both, 1 y. Null
-/// where there is none.
+/// The number that a field holds: the element of a list, of rows one after the other; of a pair along the axes the
+/// part, 0 x or both, 1 y. Null where there is none.
 template <class S>
 S* number_of(const FieldRef<S>& field, std::size_t element) {
   if (auto* const* number = std::get_if<S*>(&field.value)) return *number;
@@ -53,6 +53,10 @@ S* number_of(const FieldRef<S>& field, std::size_t element) {
     return (*frequency)->unit != nullptr ? &(*frequency)->value : nullptr;
   if (auto* const* list = std::get_if<Coefficients<S>*>(&field.value))
     return element < (*list)->size() ? &(**list)[element] : nullptr;
+  if (auto* const* rows = std::get_if<Taps<S>*>(&field.value)) {
+    const std::size_t columns = (*rows)->empty() ? 0 : (*rows)->front().size();
+    return element < (*rows)->size() * columns ? &(**rows)[element / columns][element % columns] : nullptr;
+  }
   return nullptr;
 }
 

@@ -10,14 +10,20 @@
 // (`mtf/components/pupil/wavefront_pupil.h`). `orientation` turns the whole wavefront from +x to +y. Complex unless W
 // is even; W311 > 0 moves the image by -2 lambda N W311 along x. The wavefront is one path difference: waves are at
 // `wavelength_reference` and scale as 1/lambda; without it they hold at every wavelength. By exact-geometry quadrature:
-// absolute error 1e-13, 1e-15 / (1 - e^2) for a narrow annulus of obscuration e. A complete pupil OTF, zero from |f| =
-// 1/(lambda N) on. (Hopkins, Wave Theory of Aberrations (1950); Goodman, Introduction to Fourier Optics, ch. 6.)
+// absolute error 1e-13, 1e-15 / (1 - e^2) for a narrow annulus of obscuration e. Rims of other lenses cut the pupil off
+// the axis (cat's eye): what lies within a circle of radius vignetting_rim is left, in pupil radii, whose centre lies
+// at vignetting_shift along x of the wavefront; with orientation = "field" and vignetting_shift = { r = s } at s times
+// the field point (`mtf/components/pupil/cut_pupil.h`). The OTF is that of the light that comes through; how much that
+// is says [vignetting] of = "wavefront". A complete pupil OTF, zero from |f| = 1/(lambda N) on, or from the largest
+// diameter of the pupil that is left. (Hopkins, Wave Theory of Aberrations (1950); Goodman, Introduction to Fourier
+// Optics, ch. 6.)
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "mtf/components/field.h"
+#include "mtf/components/pupil/cut_pupil.h"
 #include "mtf/components/pupil/pupil.h"
 #include "mtf/components/pupil/wavefront_pupil.h"
 
@@ -40,6 +46,7 @@ struct Wavefront {
   Coefficients<S> zernike{};
   Choice numbering{0, kNumberingNames};
   NumberIn<S, degrees> orientation_deg{};
+  std::optional<S> vignetting_rim, vignetting_shift;
   OptionalIn<S, micrometres> wavelength_reference_um{};
   std::optional<S> f_number{};
   std::optional<S> obscuration{};
@@ -58,6 +65,10 @@ struct Wavefront {
                  "of zernike: fringe (unit peak) or noll (unit rms over the full disc)"),
         optional(&Wavefront::orientation_deg, "orientation", "deg", -360.0, 360.0, "\"30 deg\"",
                  "turns the wavefront from +x (right) to +y (down)"),
+        above(optional(&Wavefront::vignetting_rim, "vignetting_rim", 0.0, 10.0, "1.05",
+                       "radius of the rim that cuts the pupil off the axis, in radii of the pupil")),
+        optional(&Wavefront::vignetting_shift, "vignetting_shift", -10.0, 10.0, "0.5",
+                 "place of the centre of that rim along x, in radii of the pupil; over the field { r = 0.5 }"),
         Field{&Wavefront::wavelength_reference_um, kWavelengthReferenceInfo},
         Field{&Wavefront::f_number, kFNumberInfo},
         Field{&Wavefront::obscuration, kQuadratureObscurationInfo},
@@ -92,8 +103,18 @@ struct Wavefront {
     return sum;
   }
 
+  /// The rim that cuts the pupil, far away where none does.
+  template <class T = S>
+  PupilRim<T> rim() const {
+    return {T(vignetting_rim.value_or(S(kInfinity))), T(vignetting_shift.value_or(S(0)))};
+  }
+  /// Share of the pupil's area that the rim leaves.
+  double throughput(const Context<S>& ctx) const {
+    return pupil_share({value_of(rim().radius), value_of(rim().shift)}, value_of(obscuration_of(obscuration, ctx)));
+  }
+
   Traits traits(const Context<S>& ctx) const {
-    const WavefrontSymmetry own = symmetry(wavefront(ctx));
+    const WavefrontSymmetry own = symmetry_of(wavefront(ctx));
     if (own.radial) return {.radial = true, .even_x = true, .even_y = true, .chromatic = !wavelength_um};
     // Turned by a right angle the mirror axes change places; otherwise there are none along x and y.
     const auto [cosine, sine] = unit_vector(value_of(orientation_deg.value));
@@ -111,6 +132,7 @@ struct Wavefront {
     const auto [cosine, sine] = unit_vector(orientation_deg.value);
     const S x = nu(f.x, ctx), y = nu(f.y, ctx);
     const Freq<S> v{cosine * x + sine * y, cosine * y - sine * x};
+    if (!rim().is_idle()) return cut(w, v, e, ctx);
     if constexpr (std::is_floating_point_v<S>) {
       const Complex<double> h = wavefront_pupil_otf(w, {v.x, v.y}, e);
       return {static_cast<S>(h.re), static_cast<S>(h.im)};
@@ -118,14 +140,19 @@ struct Wavefront {
       return with_derivatives(w, v, e, ctx);
     }
   }
-  double cutoff_cy_mm(const Context<S>& ctx) const { return 1.0 / value_of(nu(S(1), ctx)); }
+  double cutoff_cy_mm(const Context<S>& ctx) const { return rim().half_diameter() / value_of(nu(S(1), ctx)); }
   std::vector<double> kinks_cy_mm(const Context<S>& ctx) const {
-    return pupil_kinks(value_of(obscuration_of(obscuration, ctx)), cutoff_cy_mm(ctx));
+    const double cutoff = cutoff_cy_mm(ctx);
+    std::vector<double> kinks = pupil_kinks(value_of(obscuration_of(obscuration, ctx)), 1.0 / value_of(nu(S(1), ctx)));
+    std::erase_if(kinks, [cutoff](double f) { return f >= cutoff; });
+    kinks.push_back(cutoff);
+    return kinks;
   }
   /// |1 - otf| <= (1 - MTF without aberrations) + mean of |exp(2 pi i D) - 1|, |D| <= 2 nu steepest slope.
   double deviation(double fx, double fy, const Context<S>& ctx) const {
     const double v = value_of(nu(S(std::hypot(fx, fy)), ctx));
-    const double perfect = value_of(obscuration_of(obscuration, ctx)) > 0.0 ? 1.0 : 1.0 - circular_pupil_mtf(v).value;
+    const bool round = rim().is_idle() && !(value_of(obscuration_of(obscuration, ctx)) > 0.0);
+    const double perfect = round ? 1.0 - circular_pupil_mtf(v).value : 1.0;
     return std::min(2.0, perfect + 4.0 * kPi * std::min(v, 1.0) * steepest_slope(wavefront(ctx)));
   }
   std::vector<Problem> check(const Context<S>& ctx) const {
@@ -141,6 +168,13 @@ struct Wavefront {
                        format_double(kSteepestWavefront) +
                        "; use \"defocus\" where it is defocus alone, or a geometrical blur"}};
     std::vector<Problem> problems = check_quadrature_obscuration(obscuration, ctx);
+    if (vignetting_shift.has_value() != vignetting_rim.has_value())
+      return {{.field = vignetting_rim ? "vignetting_shift" : "vignetting_rim",
+               .text = "missing; a pupil is cut by a rim of a radius, vignetting_rim, at a place, vignetting_shift"}};
+    if (constexpr double kLeast = 1e-3; problems.empty() && throughput(ctx) < kLeast)
+      return {{.field = "vignetting_shift",
+               .text = "the rim leaves " + three_digits(throughput(ctx)) + " of the pupil; less than " +
+                       format_double(kLeast) + " makes no image"}};
     constexpr double kSlowFrom = 8.0;
     if (problems.empty() && slope > kSlowFrom)
       problems.push_back({.error = false,
@@ -151,6 +185,28 @@ struct Wavefront {
   }
 
  private:
+  using T = std::conditional_t<std::is_same_v<S, float>, double, S>;
+
+  /// What the pupil that is left keeps of the symmetry of the wavefront: its mirror image at the x axis.
+  WavefrontSymmetry symmetry_of(const PupilPolynomial& w) const {
+    const WavefrontSymmetry own = symmetry(w);
+    if (rim().is_idle()) return own;
+    const bool flat = w.degree == 0;  // the autocorrelation of the pupil alone
+    return {.mirror_x = flat, .mirror_y = own.mirror_y, .point = flat, .radial = false};
+  }
+  /// The OTF of the cut pupil, at a frequency in the half or quarter that its symmetry leaves.
+  Complex<S> cut(const PupilPolynomial& w, const Freq<S>& v, const S& e, const Context<S>& ctx) const {
+    Freq<T> nu{T(v.x), T(v.y)};
+    const bool conjugate = value_of(nu.x) < 0.0 || (value_of(nu.x) == 0.0 && value_of(nu.y) < 0.0);
+    if (conjugate) nu = {-nu.x, -nu.y};
+    const WavefrontSymmetry own = symmetry_of(w);
+    if (own.mirror_y && value_of(nu.y) < 0.0) nu.y = -nu.y;
+    WavePolynomial<T> waves;
+    const S scale = waves_at(S(1), wavelength_reference_um, wavelength(ctx));
+    each_coefficient([&](const S& c, const PupilPolynomial& term) { waves.add(term, T(c * scale)); });
+    const Complex<T> h = cut_pupil_otf<T>(waves, nu, T(e), rim<T>());
+    return {S(h.re), own.point ? S(lift({0.0, 1.0}, h.im)) : S(conjugate ? T(-h.im) : h.im)};
+  }
   /// S is a Jet.
   Complex<S> with_derivatives(const PupilPolynomial& w, const Freq<S>& v, const S& e, const Context<S>& ctx) const {
     const S scale = waves_at(S(1), wavelength_reference_um, wavelength(ctx));

@@ -123,8 +123,7 @@ FieldTables::FieldTables(const System<double>& system, std::span<const FieldPoin
 
   const auto radius = [](const FieldPoint<double>& q) { return std::hypot(q.x, q.y); };
   const FieldPoint<double> corner = *std::ranges::max_element(outline, {}, radius);
-  choose_band_nodes(std::array{corner, FieldPoint<double>{-corner.y, corner.x}, FieldPoint<double>{}},
-                    options.band_error);
+  choose_band_nodes(std::array{corner, outline[outline.size() / 5], FieldPoint<double>{}}, options.band_error);
   wavelengths_ = std::max(1, system_.band_nodes) * (slow_ ? 1.0 : kQuick);
   if (const double farthest = radius(corner); farthest > 0.0 && turns(farthest)) try_radius(farthest);
 }
@@ -169,6 +168,9 @@ std::vector<Freq<double>> FieldTables::some_frequencies() const {
 
 // Whether the OTF turns with the direction of the field point.
 bool FieldTables::turns(double farthest) const {
+  // Turned places may lie outside the positions of a table in x and y.
+  const auto in_xy = [](const FieldNumber<double>& number) { return number.map && !number.map->radial; };
+  if (std::ranges::any_of(system_.field.numbers, in_xy)) return false;
   for (const double r : {0.4 * farthest, farthest}) {
     const ComponentsAt on_x(system_, factor_.entries, chromatic_, {r, 0.0});
     for (const double angle : {0.3, 1.5707963267948966, 2.5, -2.0}) {

@@ -177,18 +177,51 @@ FieldPoint<S> System<S>::field_point(double x_px, double y_px) const {
 }
 
 template <class S>
+S System<S>::mapped(const FieldNumber<S>& number, const FieldPoint<S>& q) const {
+  const FieldMap& map = *number.map;
+  using std::sqrt;
+  const S radius_um = field_radius_um();
+  const bool in_pixels = map.unit == FieldUnit::pixel;
+  if (map.unit != FieldUnit::half_diagonal && (!(value_of(radius_um) > 0.0) || (in_pixels && frame.columns == 0)))
+    throw UsageError("the positions of " + map.source + " need the size of the detector; give frame.format");
+  S x = q.x, y = q.y;
+  if (map.unit == FieldUnit::millimetre || map.unit == FieldUnit::slope) {
+    const S scale = radius_um * S(1e-3) / (map.unit == FieldUnit::slope ? frame.focal_length_mm : S(1));
+    x *= scale, y *= scale;
+  } else if (in_pixels) {
+    x *= radius_um / frame.pitch_x_um, y *= radius_um / frame.pitch_y_um;
+  }
+  if (map.radial) {
+    const S square = x * x + y * y;
+    x = value_of(square) > 0.0 ? S(sqrt(square)) : S(0), y = S(0);
+  } else if (in_pixels) {
+    x += field.axis_x_px + S(0.5 * frame.columns), y += field.axis_y_px + S(0.5 * frame.rows);
+  }
+  if (const FieldPoint<double> place{value_of(x), value_of(y)}; !map.covers(place))
+    throw UsageError(map.outside_text(place));
+  return S(number.factor) * map.at(number.column, FieldPoint<S>{x, y});
+}
+
+template <class S>
+S System<S>::change(const FieldNumber<S>& number, const FieldPoint<S>& q) const {
+  const std::array<S, 8> terms = field_terms(q);
+  S sum(0);
+  for (std::size_t i = 0; i < terms.size(); ++i) sum += number.coefficient[i] * terms[i];
+  return number.map ? S(sum + mapped(number, q) - mapped(number, {})) : sum;
+}
+
+template <class S>
 System<S> System<S>::at(const FieldPoint<S>& q) const {
   System<S> here = *this;
   here.field.numbers.clear();
   here.field.angles.clear();
   here.point = q;
   here.settled = true;
-  const std::array<S, 8> terms = field_terms(q);
   for (const FieldNumber<S>& number : field.numbers) {
     S* value = detail::number_of(here.list(Stage::presample).at(number.entry).component.fields().at(number.field),
                                  number.element);
     if (value == nullptr) throw UsageError("a number that changes over the field is not there");
-    for (std::size_t i = 0; i < terms.size(); ++i) *value += number.coefficient[i] * terms[i];
+    *value += change(number, q);
   }
   using std::atan2;
   const bool on_axis = value_of(q.x) == 0.0 && value_of(q.y) == 0.0;
@@ -261,7 +294,8 @@ System<To> cast(const System<From>& from) {
   to.field.axis_y_px = detail::cast_value<To>(from.field.axis_y_px);
   to.field.angles = from.field.angles;
   for (const FieldNumber<From>& number : from.field.numbers) {
-    to.field.numbers.push_back({number.entry, number.field, number.element});
+    to.field.numbers.push_back(
+        {number.entry, number.field, number.element, {}, number.map, number.column, number.factor});
     for (std::size_t i = 0; i < number.coefficient.size(); ++i)
       to.field.numbers.back().coefficient[i] = detail::cast_value<To>(number.coefficient[i]);
   }

@@ -8,8 +8,10 @@
 #include <set>
 #include <sstream>
 
+#include "mtf/components/pupil/cut_pupil.h"
 #include "mtf/engines/fft/scene_spectrum.h"
 #include "mtf/field/field_modes.h"
+#include "mtf/field/throughput.h"
 #include "mtf/plan/sensor_plan.h"
 #include "mtf/tiles/tiles.h"
 #include "tests/csv_fields.h"
@@ -116,20 +118,49 @@ TEST(Field, RollOfTheLineOfSight) {
   }
 }
 
+TEST(Field, LightThroughCutPupils) {
+  const std::vector<Golden> areas = golden("vignetting"), flats = golden("flat");
+  if (areas.empty()) GTEST_SKIP() << "the shared data are not there";
+  for (const Golden& row : areas) {
+    const std::vector<double> rim = numbers_in(row.parameters);
+    EXPECT_NEAR(pupil_share({rim[1], rim[0] * numbers_in(row.where)[0]}, 0.0), row.value, 1e-15) << row.where;
+  }
+  System<double> s = seidel(0.1, 0.0, 0.0, 0.0, 0.0);
+  s.frame.columns = 6, s.frame.rows = 4;
+  auto& lens = s.list(Stage::presample)[0].component;
+  set(lens, "vignetting_rim", 1.05);
+  set(lens, "vignetting_shift", 0.0);
+  let_vary(s, 0, "vignetting_shift", "r", 0.5);
+  const Image shares = throughput_image(s);
+  for (const Golden& row : flats) {
+    const std::vector<double> at = numbers_in(row.where);
+    EXPECT_NEAR(3.25 * shares.at(static_cast<std::int64_t>(at[0]), static_cast<std::int64_t>(at[1])), row.value, 3e-7);
+  }
+  s.frame.columns = 0;
+  expect_refused({"frame.format"}, [&] { throughput_image(s); });
+  expect_refused({"vignetting_rim"}, [] { throughput_image(seidel(0.1, 0.0, 0.0, 0.0, 0.0)); });
+}
+
 TEST(Field, ImagesOfTheDefinition) {
   int seen = 0;
   std::set<std::string> planned;
   const std::vector<Golden> rows = golden("image");
   if (rows.empty()) GTEST_SKIP() << "the shared data are not there";
   for (const Golden& row : rows) {
-    const bool gauss = row.parameters.starts_with("field=gauss"), roll = row.parameters.starts_with("field=roll");
-    if (!gauss && !roll) continue;  // a shift and a flow are no components yet
+    const bool gauss = row.parameters.starts_with("field=gauss"), roll = row.parameters.starts_with("field=roll"),
+               flow = row.parameters.starts_with("field=flow");
+    if (!gauss && !roll && !flow) continue;  // a shift is no component
     // There the last frequency of a periodic canvas counts by one sign, here by half of each; reflected ones have none.
     if (row.parameters.find("periodic") != std::string::npos) continue;
     const double ratio = row.parameters.find("ratio=2") != std::string::npos ? 2.0 : 1.0;
     const Border border = Border::reflect;
     System<double> s = roll ? rolling(1.5, 0.2, 6, 4) : bare(15.0, 15.0);
-    if (roll) s.add(Stage::presample, footprint(15.0));
+    if (flow) {
+      s.frame.columns = 6, s.frame.rows = 4;
+      s.add(Stage::presample, Component<double>::make("flow"));
+      set(s.list(Stage::presample)[0].component, "zoom", 2.0 * 15.0 / s.field_radius_um());
+    }
+    if (roll || flow) s.add(Stage::presample, footprint(15.0));
     if (gauss) {
       s.frame.columns = 6, s.frame.rows = 4;
       s.add(Stage::presample, test::gaussian(0.4 * 15.0));
@@ -145,12 +176,12 @@ TEST(Field, ImagesOfTheDefinition) {
     EXPECT_NEAR(slow[pixel], row.value, 1e-12) << row.where << " " << row.parameters;
     ++seen;
     if (!planned.insert(row.parameters).second) continue;
-    const PlanOptions options = options_for(scene, border, roll ? 2e-2 : 1e-3);
+    const PlanOptions options = options_for(scene, border, gauss ? 1e-3 : 2e-2);
     const Plan plan = compile(s, in, out, options);
     EXPECT_EQ(plan.report().method, "field_modes");
     EXPECT_LE(rms_distance(run(plan, scene), slow), plan.report().predicted.total() * options.scene->std);
   }
-  EXPECT_EQ(seen, 14);
+  EXPECT_EQ(seen, 17);
 }
 
 TEST(Field, UniformScenesAreExact) {

@@ -88,6 +88,10 @@ class Eye(Component):
 class Fir(Component):
     def __init__(self, taps: Value = ..., *, label: Value = ...) -> None: ...
 
+class Flow(Component):
+    def __init__(self, *, zoom: Value = ..., rotation: Value = ..., shift: Value = ..., shift_x: Value = ...,
+                 shift_y: Value = ..., label: Value = ...) -> None: ...
+
 class Footprint(Component):
     def __init__(self, *, width: Value = ..., width_x: Value = ..., width_y: Value = ..., fill_factor: Value = ...,
                  label: Value = ...) -> None: ...
@@ -164,5 +168,5 @@ class Vibration(Component):
 class Wavefront(Component):
     def __init__(self, *, w020: Value = ..., w040: Value = ..., w131: Value = ..., w222: Value = ...,
                  w311: Value = ..., zernike: Value = ..., numbering: Value = ..., orientation: Value = ...,
-                 wavelength_reference: Value = ..., f_number: Value = ..., obscuration: Value = ...,
-                 wavelength: Value = ..., label: Value = ...) -> None: ...
+                 vignetting_rim: Value = ..., vignetting_shift: Value = ..., wavelength_reference: Value = ...,
+                 f_number: Value = ..., obscuration: Value = ..., wavelength: Value = ..., label: Value = ...) -> None: ...

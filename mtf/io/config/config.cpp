@@ -193,11 +193,11 @@ void interpret(const Node& tree, ConfigResult& result) {
     read_sections(root, result.config);
     result.config.tables = read_settings(root);
     for (SettingsTable& table : result.config.tables) table.version = result.config.version;
-    const Origin origin = read_components(root, system);
-    refuse_over_field(reader);
     if (const SettingsTable* axis = find_table(result.config.tables, "optical_axis"))
       for (const auto& [key, value] : {std::pair{"x", &system.field.axis_x_px}, {"y", &system.field.axis_y_px}})
         if (const SettingValue* given = axis->find(key)) *value = std::get<double>(*given);
+    const Origin origin = read_components(root, system);
+    refuse_over_field(reader);
     if (takes_path_air(system))
       if (const auto no_air = read_path_air(tree, result.config)) reader.diagnostics.push_back(*no_air);
     check_system(reader, system, origin);

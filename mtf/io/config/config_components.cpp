@@ -2,13 +2,15 @@
 
 // The three lists of components: every field through the field table of its kind. Numbers of them may change over the
 // field of view (mtf/field_terms.h):
-//   w020 = { 1 = -0.3, r2 = 0.5 }      rms = { 1 = "2 urad", x = "0.5 urad" }      orientation = "field"
+//   w020 = { 1 = -0.3, r2 = 0.5 }   rms = { 1 = "2 urad", x = "0.5 urad" }   w131 = { table = "coma.csv" }
+//   orientation = "field"
 // The term 1 is the value on the optical axis, 0 where it is not given.
 
 #include <algorithm>
 #include <charconv>
 
 #include "mtf/components/field_access.h"
+#include "mtf/io/config/config_edit.h"
 #include "mtf/io/config/config_reader.h"
 #include "mtf/words.h"
 
@@ -121,6 +123,40 @@ std::optional<Place> place_of(std::span<const FieldRef<double>> fields, std::str
   return std::nullopt;
 }
 
+/// A number of a presample component, and what changes it over the field: null where nothing does.
+struct NumberAt {
+  std::size_t entry = 0;
+  Place place;
+  const FieldNumber<double>* number = nullptr;
+};
+
+/// Of "presample[0].zernike[3]".
+std::optional<NumberAt> number_at(const System<double>& system, std::string_view path) {
+  const std::string start = std::string(stage_name(Stage::presample)) + "[";
+  if (!path.starts_with(start)) return std::nullopt;
+  NumberAt at;
+  const auto [end, status] = std::from_chars(path.data() + start.size(), path.data() + path.size(), at.entry);
+  const auto& list = system.list(Stage::presample);
+  const std::string_view rest = path.substr(static_cast<std::size_t>(end - path.data()));
+  if (status != std::errc{} || !rest.starts_with("].") || at.entry >= list.size()) return std::nullopt;
+  const auto place = place_of(list[at.entry].component.fields(), rest.substr(2));
+  if (!place) return std::nullopt;
+  at.place = *place;
+  for (const FieldNumber<double>& number : system.field.numbers)
+    if (number.entry == at.entry && number.field == place->field && number.element == place->element)
+      at.number = &number;
+  return at;
+}
+
+/// A table along the distance from the axis that begins with a slope.
+bool rises_from_axis(const FieldNumber<double>& number) {
+  if (!number.map || !number.map->radial) return false;
+  const auto [least, most] = std::ranges::minmax(number.map->column[number.column].value);
+  const double near = number.map->at(number.column, FieldPoint<double>{0.02 * number.map->scale, 0.0}),
+               axis = number.map->at(number.column, FieldPoint<double>{});
+  return std::abs(near - axis) > 2e-3 * (most - least);  // of a square 1e-4
+}
+
 // What grows with the distance from the axis but keeps its direction has a kink on the axis, which lenses do not have.
 void warn_of_kinks(Reader& reader, const System<double>& system, std::size_t entry, const std::string& path) {
   const auto fields = system.list(Stage::presample).at(entry).component.fields();
@@ -130,7 +166,7 @@ void warn_of_kinks(Reader& reader, const System<double>& system, std::size_t ent
       std::find_if(fields.begin(), fields.end(), [](const auto& field) { return is_angle(*field.info); });
   if (angle == fields.end()) return;
   for (const FieldNumber<double>& number : system.field.numbers)
-    if (number.entry == entry && number.coefficient[kRadius] != 0.0) {
+    if (number.entry == entry && (number.coefficient[kRadius] != 0.0 || rises_from_axis(number))) {
       const std::string name(angle->info->name);
       return reader.note(
           {}, path + "." + name,
@@ -138,6 +174,19 @@ void warn_of_kinks(Reader& reader, const System<double>& system, std::size_t ent
               " = \"field\"",
           true);
     }
+}
+
+/// A number by a table is what the table has on the optical axis and its own terms.
+void add_axis_value(Reader& reader, const FieldTerms& terms, const FieldNumber<double>& number,
+                    System<double>& system) {
+  const auto frame = reader.failed.lower_bound("frame.");
+  if (frame != reader.failed.end() && frame->starts_with("frame.")) return;  // no size to go by
+  const auto fields = system.list(Stage::presample)[number.entry].component.fields();
+  try {
+    *detail::number_of(fields[number.field], number.element) += system.mapped(number, {});
+  } catch (const UsageError& error) {
+    reader.error(terms.position, terms.path, std::string(error.what()) + " on the optical axis");
+  }
 }
 
 /// Gives the terms that were read of a component, the `entry`-th of its list, to the system.
@@ -152,15 +201,18 @@ void take_over_field(const Section& section, Stage stage, std::size_t entry, Sys
                            "changes over the field, which components of [[presample]] alone may; write one number");
     } else if (!place || detail::number_of(fields[place->field], place->element) == nullptr) {
       // Something else about it was wrong, and is said.
-    } else if (!terms.angle && std::all_of(terms.coefficient.begin(), terms.coefficient.end(), is_zero)) {
+    } else if (!terms.angle && !terms.map && std::all_of(terms.coefficient.begin(), terms.coefficient.end(), is_zero)) {
       // The same everywhere.
     } else if (terms.angle) {
       system.field.angles.push_back({entry, place->field});
     } else {
-      system.field.numbers.push_back({entry, place->field, place->element, terms.coefficient});
+      FieldNumber<double>& number = system.field.numbers.emplace_back(FieldNumber<double>{
+          entry, place->field, place->element, terms.coefficient, terms.map, terms.column, terms.factor});
+      if (terms.map) add_axis_value(section.reader, terms, number, system);
     }
     return true;
   });
+  if (stage == Stage::presample) note_maps(section.reader, system, entry, section.table.position, section.path);
   if (stage == Stage::presample) warn_of_kinks(section.reader, system, entry, section.path);
 }
 
@@ -221,7 +273,9 @@ Origin read_components(const Section& root, System<double>& system) {
       auto label = read_label(section, taken);
       if (!component) continue;
       section.title += " " + std::string(component->kind());
-      read_fields(section, component->fields());
+      std::optional<Node> filled = with_columns(section, component->fields());
+      if (!filled) filled = with_samples(section, component->fields());
+      read_fields({root.reader, filled ? *filled : section.table, section.path, section.title}, component->fields());
       kinds.emplace_back(component->kind());
       labels.push_back(std::move(label));
       origin[static_cast<std::size_t>(stage)].push_back(i);
@@ -243,7 +297,7 @@ bool is_over_field(const Node& node, const FieldInfo& info) {
   if (node.kind != Node::Kind::table || node.members.empty()) return false;
   // Keys of a fit are longer than those of terms, which may be mistyped.
   const auto any = [&](const auto& is) { return std::any_of(node.members.begin(), node.members.end(), is); };
-  if (any([](const Member& member) { return is_field_term(member.key); })) return true;
+  if (any([](const Member& member) { return member.key == kTableKey || is_field_term(member.key); })) return true;
   constexpr std::size_t kShort = 2;
   return !any([](const Member& member) { return member.key.size() > kShort; });
 }
@@ -258,13 +312,18 @@ std::optional<Scalar> read_over_field(Reader& reader, const Node& node, const Fi
     return Scalar{0.0, find_unit(info.unit)};
   }
   const Section section{reader, node, path, "the terms of " + std::string(info.name)};
-  std::vector<std::string_view> known{kConstant};
+  std::vector<std::string_view> known{kTableKey, kConstant};
   known.insert(known.end(), kFieldTerms.begin(), kFieldTerms.end());
   check_keys(section, known);
   std::optional<Scalar> on_axis;
   bool good = !reader.has_failed(path);
   std::optional<Scalar> first;  // in whose unit all are held
+  if (const Node* file = node.find(kTableKey)) {
+    first = read_column(reader, *file, info, terms);
+    good = good && first;
+  }
   for (const Member& member : node.members) {
+    if (member.key == kTableKey) continue;
     const std::optional<std::size_t> term = term_of(member.key);
     if (!term && member.key != kConstant) {
       good = false;
@@ -304,27 +363,28 @@ void refuse_over_field(Reader& reader) {
   reader.terms.clear();
 }
 
-std::string over_field_text(const System<double>& system, std::string_view path, const Scalar& on_axis) {
-  const std::string start = std::string(stage_name(Stage::presample)) + "[";
-  if (!path.starts_with(start)) return {};
-  std::size_t entry = 0;
-  const auto [end, status] = std::from_chars(path.data() + start.size(), path.data() + path.size(), entry);
-  const auto& list = system.list(Stage::presample);
-  const std::string_view rest = path.substr(static_cast<std::size_t>(end - path.data()));
-  if (status != std::errc{} || !rest.starts_with("].") || entry >= list.size()) return {};
-  const auto place = place_of(list[entry].component.fields(), rest.substr(2));
-  if (!place) return {};
+std::string over_field_text(const System<double>& system, std::string_view path, const Scalar& on_axis,
+                            const std::function<std::string(const std::string& source)>& file) {
+  const std::optional<NumberAt> at = number_at(system, path);
+  if (!at) return {};
   for (const FieldAngle& angle : system.field.angles)
-    if (angle == FieldAngle{entry, place->field}) return "\"" + std::string(kTurns) + "\"";
-  for (const FieldNumber<double>& number : system.field.numbers) {
-    if (number.entry != entry || number.field != place->field || number.element != place->element) continue;
-    std::string text = "{ 1 = " + toml_scalar(on_axis);
-    for (std::size_t i = 0; i < kFieldTerms.size(); ++i)
-      if (number.coefficient[i] != 0.0)
-        text += ", " + std::string(kFieldTerms[i]) + " = " + toml_scalar({number.coefficient[i], on_axis.unit});
-    return text + " }";
-  }
-  return {};
+    if (angle == FieldAngle{at->entry, at->place.field}) return "\"" + std::string(kTurns) + "\"";
+  const FieldNumber<double>* number = at->number;
+  if (number == nullptr) return {};
+  std::vector<std::string> members;
+  if (number->map) members.push_back(std::string(kTableKey) + " = " + toml_string(file(number->map->source)));
+  const double constant = number->map ? on_axis.value - system.mapped(*number, {}) : on_axis.value;
+  if (constant != 0.0 || !number->map)
+    members.push_back(std::string(kConstant) + " = " + toml_scalar({constant, on_axis.unit}));
+  for (std::size_t i = 0; i < kFieldTerms.size(); ++i)
+    if (number->coefficient[i] != 0.0)
+      members.push_back(std::string(kFieldTerms[i]) + " = " + toml_scalar({number->coefficient[i], on_axis.unit}));
+  return "{ " + joined(members) + " }";
+}
+
+std::string positions_source(const System<double>& system, std::string_view path) {
+  const std::optional<NumberAt> first = number_at(system, std::string(path) + "[0]");
+  return first && first->number != nullptr && first->number->map ? first->number->map->source : "";
 }
 
 }  // namespace mtf::io::cfg

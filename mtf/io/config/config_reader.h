@@ -15,12 +15,16 @@
 
 namespace mtf::io::cfg {
 
-/// A number written as { 1 = -0.3, r2 = 0.5 }, without its value on the axis, or an angle written as "field".
+/// A number written as { 1 = -0.3, r2 = 0.5 } or { table = "coma.csv" }, without its value on the axis, or an angle
+/// written as "field".
 struct FieldTerms {
   std::string path;
   Position position;
   bool angle = false;
   std::array<double, kFieldTerms.size()> coefficient{};
+  std::shared_ptr<const FieldMap> map{};
+  std::size_t column = 0;  ///< of the map
+  double factor = 1.0;     ///< of its values
 };
 
 struct Reader {
@@ -30,8 +34,9 @@ struct Reader {
   std::map<std::string, Position, std::less<>> positions{};  ///< of values, by path
   std::set<std::string, std::less<>> failed{};               ///< paths that were reported already
   std::vector<FitSpec> fits{};
-  std::vector<FieldTerms> terms{};   ///< numbers that change over the field
-  std::vector<std::string> files{};  ///< that the text names, as `file` gave them
+  std::vector<FieldTerms> terms{};                                ///< numbers that change over the field
+  std::map<std::string, std::shared_ptr<const FieldMap>> maps{};  ///< of tables that were read, by file; null: not good
+  std::vector<std::string> files{};                               ///< that the text names, as `file` gave them
 
   /// The path of a file that the text names. It joins `files`.
   std::string file(const std::string& name);
@@ -129,8 +134,27 @@ bool is_field_term(std::string_view key);
 std::optional<Scalar> read_over_field(Reader& reader, const Node& node, const FieldInfo& info, const std::string& path);
 /// Reports terms of numbers that are no component's, such as the focal length.
 void refuse_over_field(Reader& reader);
-/// How a sensor file has the number at that path: { 1 = "2 urad", r2 = "0.5 urad" }; "" where it is one number.
-std::string over_field_text(const System<double>& system, std::string_view path, const Scalar& on_axis);
+/// How a sensor file has the number at that path: { 1 = "2 urad", r2 = "0.5 urad" }; "" where it is one number. `file`:
+/// the name of a table's file there.
+std::string over_field_text(const System<double>& system, std::string_view path, const Scalar& on_axis,
+                            const std::function<std::string(const std::string& source)>& file);
+
+/// The file of the positions between which the rows of numbers at that path are interpolated; "" where they are given.
+std::string positions_source(const System<double>& system, std::string_view path);
+
+// Tables over the field. In config_field_map.cpp.
+inline constexpr std::string_view kTableKey = "table", kPositionsKey = "positions";
+/// The column of the table `file` for the number at `terms.path`; 0 in the unit of the number, when usable.
+std::optional<Scalar> read_column(Reader& reader, const Node& file, const FieldInfo& info, FieldTerms& terms);
+/// A component whose `table` gives numbers over the field as one with { table = ... } for each of them; nothing where
+/// it has no `table`.
+std::optional<Node> with_columns(const Section& section, std::span<const FieldRef<double>> fields);
+/// A psf whose `positions` names files of samples as one with samples that are interpolated between them, which leave
+/// their terms; nothing where it has no `positions`.
+std::optional<Node> with_samples(const Section& section, std::span<const FieldRef<double>> fields);
+/// Says how well the tables of a component are interpolated.
+void note_maps(Reader& reader, const System<double>& system, std::size_t entry, Position position,
+               const std::string& path);
 
 /// `missing; write rms = "8 urad" (rms displacement of one axis, one sigma)`
 std::string missing_text(const FieldInfo& info);

@@ -40,7 +40,10 @@ class Writer {
   /// The number, or the fit table of this path if there is one.
   std::string with_fit(std::string_view key, const Scalar& scalar) const {
     const std::string path = path_ + "." + std::string(key);
-    if (std::string terms = cfg::over_field_text(config_.system, path, scalar); !terms.empty()) return terms;
+    if (std::string terms =
+            cfg::over_field_text(config_.system, path, scalar, [this](const auto& source) { return path_of(source); });
+        !terms.empty())
+      return terms;
     const auto spec = find_fit(path);
     if (spec == config_.fits.end()) return toml_scalar(scalar);
     std::string fit = "{ value = " + toml_scalar(scalar) + ", fit = " + (spec->fit ? "true" : "false");
@@ -125,7 +128,11 @@ void Writer::field(const FieldRef<double>& field) {
           if (!value->empty()) raw(info.name, "[" + list + "]");
         } else if constexpr (std::is_same_v<T, Taps<double>>) {
           const auto row = [](const auto& taps) { return "[" + joined(taps, toml_number) + "]"; };
-          raw(info.name, "[" + joined(*value, row) + "]");
+          if (const std::string source = cfg::positions_source(config_.system, path_ + "." + std::string(info.name));
+              !source.empty())
+            raw(cfg::kPositionsKey, toml_string(path_of(source)));
+          else
+            raw(info.name, "[" + joined(*value, row) + "]");
         } else {
           curve(info.name, *value);
         }

@@ -102,10 +102,16 @@ std::span<const StageRow> light_rows() {
          const auto& corners = sensor.settings.vignetting;
          if (corners && !corners->map.empty() && (corners->a2 != 0.0 || corners->a4 != 0.0 || corners->a6 != 0.0))
            refuse("vignetting.map", "given beside a2, a4 or a6; remove one of them");
+         if (corners && corners->of == VignettingOf::wavefront &&
+             (!corners->map.empty() || corners->a2 != 0.0 || corners->a4 != 0.0 || corners->a6 != 0.0))
+           refuse("vignetting.of", "wavefront, beside a map, a2, a4 or a6; remove one of them");
        },
        .words = [](const System&, const Sensor& sensor) -> StageWords {
          const auto& corners = sensor.settings.vignetting;
          if (!corners) return {false, "no [vignetting]"};
+         if (corners->of == VignettingOf::wavefront)
+           return {true, std::string(corners->cos4 ? "cos^4 of the field angle, and " : "") +
+                             "the share of the pupil that rims leave"};
          if (sensor.vignetting) return {true, map_words(corners->map)};
          return {true, corners->cos4 ? "cos^4 of the field angle, and a polynomial" : "a polynomial"};
        }},

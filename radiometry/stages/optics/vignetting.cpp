@@ -14,9 +14,15 @@ using mtf::UsageError;
 
 void require_map(const Vignetting& vignetting, mtf::ImageView<const float> given, mtf::ImageView<const float> factors,
                  Origin origin) {
-  if (given.data == nullptr) throw UsageError("vignetting.map: the image " + vignetting.map + " was not given");
+  const bool of_pupil = vignetting.of == VignettingOf::wavefront;
+  if (given.data == nullptr)
+    throw UsageError(of_pupil ? "vignetting.of: the shares of the pupil were not given"
+                              : "vignetting.map: the image " + vignetting.map + " was not given");
+  if (of_pupil && !vignetting.map.empty())
+    throw UsageError("vignetting.map: given beside of = \"wavefront\"; remove one of them");
   if (vignetting.a2 != 0.0 || vignetting.a4 != 0.0 || vignetting.a6 != 0.0)
-    throw UsageError("vignetting: give either a map or the coefficients a2, a4, a6");
+    throw UsageError(std::string("vignetting: give either ") + (of_pupil ? "of = \"wavefront\"" : "a map") +
+                     " or the coefficients a2, a4, a6");
   if (given.width != factors.width || given.height != factors.height)
     throw UsageError("vignetting.map: " + vignetting.map + " has " + size_of(given.width, given.height) +
                      " pixels, the detector's region " + size_of(factors.width, factors.height) +
@@ -33,7 +39,7 @@ void vignetting_map(mtf::ImageView<float> factors, const Vignetting& vignetting,
   if (!(focal_length_mm > 0.0))
     throw UsageError("vignetting: a focal length of " + mtf::format_double(focal_length_mm) +
                      " mm; it has to be above 0");
-  const bool has_map = !vignetting.map.empty() || given.data != nullptr;
+  const bool has_map = !vignetting.map.empty() || vignetting.of == VignettingOf::wavefront || given.data != nullptr;
   if (has_map) require_map(vignetting, given, factors, origin);
   const double half_diagonal_um = detector.half_diagonal_um(), focal_length_um = 1e3 * focal_length_mm;
   const auto square_of = [](double number) { return number * number; };

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Numbers of a system by a table over the field: the interpolant of FieldMap (mtf/field_terms.h) through the values at
+// the positions. Smooth (twice differentiable), of fourth or sixth order in the distance of the positions, and exact
+// for polynomials of the degree that they determine: fields of third order (coma in r, astigmatism and curvature in
+// r^2) are met by few positions. What lies between them is a guess all the same: the interpolant that lacks one of them
+// is compared with the value there, for each in turn (Rippa, Adv. Comput. Math. 11, 193 (1999)); the ends of distances,
+// to which the others could only be continued, are not left out.
+
+#include "mtf/field_terms.h"
+
+namespace mtf {
+
+inline constexpr std::size_t kMostFieldPositions = 2000;
+
+/// The map through source, unit, radial, position and column as given. Throws UsageError for too few or too many
+/// positions, two that are alike, all on one line, and distances that are negative or do not begin at the axis.
+std::shared_ptr<const FieldMap> make_field_map(FieldMap given);
+
+}  // namespace mtf
