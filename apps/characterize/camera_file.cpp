@@ -84,12 +84,13 @@ bool is_set(const Finding* f) { return f != nullptr && f->verdict == calib::Verd
 }  // namespace
 
 std::string value_with_error(const Finding& f, std::string_view unit, double scale) {
-  if (f.verdict == calib::Verdict::upper_limit) {
-    const auto part = [&](double number) { return quantity(scale * std::max(0.0, number), unit); };
-    return "{ value = " + part(f.value) + ", interval = [" + part(f.low95) + ", " + part(f.high95) + "] }";
-  }
-  const double sd = std::hypot(f.sd, f.sd_systematic.value_or(0.0));
-  return "{ value = " + quantity(scale * f.value, unit) + ", stderr = " + quantity(scale * sd, unit) + " }";
+  const bool limit = f.verdict == calib::Verdict::upper_limit;
+  const double sd = limit ? 0.25 * (f.high95 - f.low95) : std::hypot(f.sd, f.sd_systematic.value_or(0.0));
+  const auto part = [&](double number) {
+    return quantity(rounded_to_error(scale * (limit ? std::max(0.0, number) : number), scale * sd), unit);
+  };
+  return "{ value = " + part(f.value) +
+         (limit ? ", interval = [" + part(f.low95) + ", " + part(f.high95) + "]" : ", stderr = " + part(sd)) + " }";
 }
 
 std::string shown(const Finding& f) {

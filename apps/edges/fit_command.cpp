@@ -379,12 +379,17 @@ std::string fitted_config(const FitResult& result, const mtf::io::SensorConfig& 
                inputs, result.parameters, result.not_separable, result.richer_models);
   std::vector<std::optional<double>> values(fitted.fits.size());
   for (const FittedParameter& p : result.parameters) {
-    calib::set_parameter(fitted.system, p.parameter.path, p.value);
+    const auto sd = p.knowledge == Knowledge::determined ? p.stderr_value : std::nullopt;
+    const double value = p.knowledge == Knowledge::at_bound ? p.value
+                                                            : std::clamp(rounded_to_error(p.value, sd.value_or(0.0)),
+                                                                         p.parameter.min.value_or(-mtf::kInfinity),
+                                                                         p.parameter.max.value_or(mtf::kInfinity));
+    calib::set_parameter(fitted.system, p.parameter.path, value);
     const auto spec = std::find_if(fitted.fits.begin(), fitted.fits.end(),
                                    [&](const mtf::io::FitSpec& fit) { return fit.path == p.parameter.path; });
     if (spec == fitted.fits.end()) continue;
-    values[static_cast<std::size_t>(spec - fitted.fits.begin())] = p.value;
-    spec->stderr_value = p.knowledge == Knowledge::determined ? p.stderr_value : std::nullopt;
+    values[static_cast<std::size_t>(spec - fitted.fits.begin())] = value;
+    spec->stderr_value = sd ? std::optional(rounded_to_error(*sd, *sd)) : std::nullopt;
   }
   // The user's own text with the new numbers, where that says the same; curve files are named relative to it.
   const std::string whole = write_config(fitted, destination);
