@@ -115,8 +115,8 @@ struct Characterization {
 /// frames tell. Neighbours that share noise raise the component of
 /// their line, which is undone.
 std::array<Estimate, kLags.size()> pixel_covariance(const StackSummary& stack);
-/// Why a stack that is not usable is left out, and whether rounding hides the noise of one: it is below 0.6 counts, and
-/// the pixels are within half a count of each other.
+/// Why a stack that is not usable is left out, and whether rounding hides the noise of one: kHidden_counts of
+/// rounding.h, and the pixels are within half a count of each other.
 std::string clipped_words(const Stack& stack);
 bool is_hidden_by_rounding(const Stack& stack);
 /// Temporal variance that a pixel has in common with others of its row, column or frame.

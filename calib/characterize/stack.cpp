@@ -17,10 +17,6 @@ using mtf::significant;
 using radiometry::kT, radiometry::kV, radiometry::kH, radiometry::kTv, radiometry::kTh, radiometry::kVh,
     radiometry::kTvh;
 
-/// Noise below it is told by the offset where all pixels have one: its variance is off by up to (4 s^2 + 1/pi^2)
-/// exp(-2 pi^2 s^2), 0.1 % at 0.6 counts, 6 % at 0.45 (Widrow and Kollar, ch. 4).
-constexpr double kHidden_counts = 0.6;
-
 double square(double x) { return x * x; }
 
 /// Of the noise of a pixel in time, all of it, before rounding.
