@@ -35,7 +35,7 @@ int run_characterize(const CharacterizeCommandOptions& options, const Global& gl
   std::optional<mtf::io::SensorConfig> nominal;
   if (!file.nominal.empty()) nominal = read_sensor(file.nominal, global);
   if (options.check) {
-    check_stacks(file, bits_of(file, nominal), options.format, global.threads);
+    check_stacks(file, nominal, options.format, global.threads);
     return 0;
   }
   if (options.maps && file.has_blackbodies())

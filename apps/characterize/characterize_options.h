@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "apps/options.h"
+#include "mtf/io/config/config.h"
 
 namespace apps {
 
@@ -23,9 +25,9 @@ struct CharacterizeCommandOptions {
   Format format = Format::table;
 };
 
-/// Of `check`, on standard output. Throws UsageError for frames of other sizes or types, single ones, and files that
-/// hold fewer bits.
-void check_stacks(const StacksFile& file, int bits, Format format, int threads);
+/// Of `check`, on standard output. Throws as look_at_stacks(), and UsageError, after the output, where a run will.
+void check_stacks(const StacksFile& file, const std::optional<mtf::io::SensorConfig>& nominal, Format format,
+                  int threads);
 
 int run_characterize(const CharacterizeCommandOptions& options, const Global& global);
 

@@ -284,14 +284,15 @@ TEST_F(CharacterizeCommand, MapsMakeTheTwinThisArray) {
   }
 }
 
-/// A cube of Poisson counts about a mean, as numpy.save writes it.
-void write_cube(const fs::path& path, double mean, int frames, unsigned seed, unsigned factor = 1) {
+/// A cube of Poisson counts about a mean, which grows by `drift` a frame, as numpy.save writes it.
+void write_cube(const fs::path& path, double mean, int frames, unsigned seed, unsigned factor = 1, double drift = 0.0) {
   std::mt19937 engine(seed);
   std::string head = "{'descr': '>u2', 'fortran_order': False, 'shape': (" + std::to_string(frames) + ", 24, 32), }";
   head.resize(117, ' ');
   std::string text = std::string("\x93NUMPY\x01\0", 8) + char(118) + '\0' + head + '\n';
   for (int i = 0; i < frames * 24 * 32; ++i) {
-    const unsigned value = factor * static_cast<unsigned>(std::poisson_distribution<int>(mean)(engine));
+    std::poisson_distribution<int> counts(mean * (1.0 + drift * (i / (24 * 32))));
+    const unsigned value = factor * static_cast<unsigned>(counts(engine));
     text += static_cast<char>(value >> 8);
     text += static_cast<char>(value & 255U);
   }
@@ -440,14 +441,28 @@ TEST(CharacterizeCheck, SaysWhatTheStacksCanDetermine) {
   for (const Json& one : json.at("numbers"))
     EXPECT_EQ(one.at("possible").get<bool>(), one.at("name") != "dark current") << one.dump();
   const Result fewer = check(text + "[options]\nnonlinearity = 1\n");
-  expect_says(fewer.out, {"3 levels of light", "4 are needed", "more exposures"});
-  expect_error(check(replaced(text, "bits = 12", "bits = 12\nstep = 32")), 2, {"12 bits", "uint16", "correct bits"});
+  expect_says(fewer.out, {"3 usable levels of light", "4 are needed", "more exposures"});
+  EXPECT_EQ(fewer.status, 2);
+  // What a check refuses a run refuses, in the same words.
+  const auto refused_by_both = [&](const std::string& stacks, std::initializer_list<std::string_view> words) {
+    const Result checked = check(stacks), ran = scratch.run("mtf characterize stacks.toml");
+    expect_error(checked, 2, words);
+    EXPECT_EQ(ran.status, 2);
+    EXPECT_EQ(ran.err, checked.err);
+  };
+  refused_by_both(text + "[options]\nnonlinearity = 1\n", {"3 usable levels", "nonlinearity = 1"});
+  refused_by_both(replaced(text, "bits = 12", "bits = 12\nstep = 32"), {"12 bits", "uint16", "correct bits"});
   mtf::Image small(8, 8);
   std::fill_n(small.data(), small.size(), 3.0F);
   mtf::io::write_integer((scratch / "small.tif").string(), {{"Y", small.view()}}, {1.0, 0.0, 16}, {});
-  expect_error(check(replaced(text, "c2.npy", "small.tif")), 2, {"small.tif", "8 x 8", "32 x 24"});
+  refused_by_both(replaced(text, "c2.npy", "small.tif"), {"small.tif", "8 x 8", "32 x 24"});
+  const std::string raw = "c2.raw\"\nraw = { width = 32, height = 24, type = \"uint8\" }";
+  write_file(scratch / "c2.raw", std::string(4 * 32 * 24, 'x'));
+  refused_by_both(replaced(text, "c2.npy\"", raw), {"c2.raw", "of uint8", "of uint16"});
+  refused_by_both("[camera]\nbits = 12\n[[stack]]\nlight = false\nframes = \"" + raw + "\n",
+                  {"12 bits", "uint8", "correct bits"});
   write_cube(scratch / "c1.npy", 100.0, 1, 9);
-  expect_error(check(text), 2, {"c1.npy", "single frame"});
+  refused_by_both(text, {"c1.npy", "single frame"});
   expect_error(scratch.run("mtf characterize check none.toml"), 1, {"none.toml"});
   expect_error(scratch.run("mtf characterize"), 2, {"file that describes the stacks"});
 }
