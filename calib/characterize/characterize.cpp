@@ -129,7 +129,7 @@ class Analysis {
   Analysis(std::vector<Stack> stacks, const CharacterizeOptions& options) : options_(options) {
     for (Stack* const stack : by_light(stacks)) result_.stacks.push_back(std::move(*stack));
     mark_saturated(by_light(result_.stacks));
-    require_sound(result_.stacks);
+    require_sound(result_.stacks, options_.light_repeatability);
     make_levels();
     fit();
     add_transfer();

@@ -326,6 +326,12 @@ TEST(CharacterizeRefusals, BadDescriptorsAndFrames) {
   fs::copy_file(scratch / "c1.npy", scratch / "copy.npy");
   expect_error(run(camera + dark + rest + stack("copy.npy", "relative = 3")), 2,
                {"copy.npy", "same frame as", "c1.npy"});
+  // One level of several, which von Neumann's ratio of all does not show: without a name it is a misfit.
+  write_cube(scratch / "drift.npy", 1000.0, 12, 9, 1, 0.01);
+  const std::string drifting =
+      camera + dark + rest + stack("c3.npy", "relative = 3") + stack("drift.npy", "relative = 4");
+  expect_error(run(drifting), 2, {"drift.npy", "drifts, by 1", "p = ", "warm up", "leave it out"});
+  EXPECT_EQ(run("[light]\nrepeatability = 0.05\n" + drifting).status, 0);
   write_cube(scratch / "one.npy", 900.0, 1, 9);
   expect_error(run(camera + dark + rest + stack("one.npy", "relative = 3")), 2, {"one.npy", "two frames"});
   write_cube(scratch / "shifted.npy", 900.0, 4, 9, 16);
