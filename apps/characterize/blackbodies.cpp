@@ -148,7 +148,7 @@ CameraFile thermal_camera_file(calib::Characterization& camera, const StacksFile
                                int bits, const std::string& destination) {
   CameraFile file;
   if (!is_thermal(nominal)) {
-    file.left.emplace_back("a sensor file: gain and read noise of a photon detector take stacks by photons");
+    file.left_out.emplace_back("a sensor file: gain and read noise of a photon detector take stacks by photons");
     return file;
   }
   const auto set = [&](const std::string& key, const std::string& value) {
@@ -178,10 +178,10 @@ CameraFile thermal_camera_file(calib::Characterization& camera, const StacksFile
   for (const NoiseKey& one : kNoiseKeys)
     set(std::string(one.key), value_with_error(*camera.find(one.finding), " uV", uv_per_mk));
   set("nonuniformity.prnu", value_with_error(*camera.find("prnu"), ""));
-  for (const char* const key : {"optics.transmission", "detector.absorptance", "optics.f_number", "band.wavelength"})
-    file.left.emplace_back(key);
+  add_not_measured(file, {"optics.transmission", "detector.absorptance", "optics.f_number", "band.wavelength"},
+                   nominal);
   add_predictions(camera, without_path(nominal));
-  file.text = file_head(camera, stacks, file.left) + own_named(nominal, destination).text;
+  file.text = file_head(camera, stacks, file) + own_named(nominal, destination).text;
   return file;
 }
 

@@ -34,12 +34,14 @@ int run_characterize(const CharacterizeCommandOptions& options, const Global& gl
   if (!options.nominal.empty()) file.nominal = options.nominal;
   std::optional<mtf::io::SensorConfig> nominal;
   if (!file.nominal.empty()) nominal = read_sensor(file.nominal, global);
+  if (nominal) file.nominal_sha256 = nominal->sha256;
   if (options.check) {
     check_stacks(file, nominal, options.format, global.threads);
     return 0;
   }
   if (options.maps && file.has_blackbodies())
     throw mtf::UsageError("--maps: maps are of stacks by light; those of blackbodies have none");
+  const bool has_sensor = !file.has_blackbodies() || (nominal && is_thermal(*nominal));
   const bool by_emva = options.method == CharacterizeMethod::emva1288;
   if (by_emva && (options.maps || file.has_blackbodies()))
     throw mtf::UsageError(options.maps ? "--maps: the standard's numbers make no maps; leave --method out"
@@ -47,7 +49,6 @@ int run_characterize(const CharacterizeCommandOptions& options, const Global& gl
 
   std::vector<std::string> inputs{file.file, file.nominal};
   for (const StackEntry& entry : file.stacks) inputs.insert(inputs.end(), entry.files.begin(), entry.files.end());
-  const bool has_sensor = !file.has_blackbodies() || (nominal && is_thermal(*nominal));
   OutputSet outputs(
       {.folder = options.out,
        .force = options.force,  // Those that a run does not make are removed, as they would be of another one.
@@ -72,31 +73,36 @@ int run_characterize(const CharacterizeCommandOptions& options, const Global& gl
     print(options.format == Format::json ? json : emva1288_table(standard));
     return 0;
   }
-  const int bits = read.bits;
   const std::string destination = options.out.empty() ? "sensor.toml" : options.out + "/sensor.toml";
   const FoundCamera found = find_camera(file, std::move(nominal), std::move(read), destination, options.maps);
   const calib::Characterization& camera = found.camera;
+  const bool has_page = !options.out.empty() && !file.has_blackbodies();
+  const std::vector<PatternPlane> planes = has_page ? pattern_planes(camera) : std::vector<PatternPlane>();
+  const PageWords words{
+      .camera = found.name, .command = command_of(options), .left = not_measured(found.sensor), .bits = found.bits};
+  std::vector<std::string> written;
+  const auto write = [&](const std::string& name, const std::string& text) {
+    if (options.out.empty()) return;
+    emit(outputs.in(name), text);
+    written.push_back(name);
+  };
+  if (has_sensor) write("sensor.toml", found.sensor.text);
+  if (has_page) write("report.html", characterize_page(camera, planes, file, words));
   const std::string json = json_document(found.report);
-  if (!options.out.empty()) {
-    if (has_sensor) emit(outputs.in("sensor.toml"), found.sensor.text);
-    emit(outputs.in("result.json"), json);
-    emit(outputs.in("levels.csv"), levels_csv(camera));
-  }
-  if (!options.out.empty() && !file.has_blackbodies()) {
-    const std::vector<PatternPlane> planes = pattern_planes(camera);
-    emit(outputs.in("defects.csv"), defects_csv(planes));
-    const PageWords words{
-        .camera = found.name, .command = command_of(options), .left = found.sensor.left, .bits = bits};
-    emit(outputs.in("report.html"), characterize_page(camera, planes, file, words));
-    if (options.maps) {
-      const PatternMaps maps = pattern_maps(camera, planes);
-      mtf::io::write_exr(outputs.in("offset.exr"), {{"Y", maps.offset.view()}}, {});
-      mtf::io::write_exr(outputs.in("responsivity.exr"), {{"Y", maps.responsivity.view()}}, {});
-    }
+  write("result.json", json);
+  write("levels.csv", levels_csv(camera));
+  if (has_page) write("defects.csv", defects_csv(planes));
+  if (options.maps) {
+    const PatternMaps maps = pattern_maps(camera, planes);
+    mtf::io::write_exr(outputs.in("offset.exr"), {{"Y", maps.offset.view()}}, {});
+    mtf::io::write_exr(outputs.in("responsivity.exr"), {{"Y", maps.responsivity.view()}}, {});
   }
   outputs.commit();
-  print(options.format == Format::json ? json : characterize_table(camera, found.sensor.left));
-  if (!camera.misfit || options.allow_misfit) return 0;
+  print(options.format == Format::json ? json : characterize_table(camera, found.sensor));
+  if (!written.empty())
+    note(global, "written to " + shell_word(options.out) + ": " + joined(written) +
+                     (has_sensor ? "\nnext: mtf simulate " + shell_word(destination) + " SCENE -o image.exr" : ""));
+  if (options.allow_misfit || !camera.misfit) return 0;
   note(global,
        "mtf: note: the model does not describe the frames: exit code 3; all outputs are written "
        "(--allow-misfit: exit code 0)");

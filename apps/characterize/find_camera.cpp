@@ -125,6 +125,7 @@ FoundCamera find_camera(const StacksFile& file, Nominal nominal, ReadStacks read
     nominal = std::move(least.config);
   }
   found.name = nominal->system.name;
+  found.bits = read.bits;
   warn_of_nominal(*nominal, found.camera.warnings);
   const calib::Finding* const rate = found.camera.find("rate");
   if (rate != nullptr && rate->low95 > 1.0 && file.tells_photons())

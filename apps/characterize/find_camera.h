@@ -39,6 +39,7 @@ struct FoundCamera {
   calib::Characterization camera;
   CameraFile sensor;  ///< without text where frames make none: a photon detector before blackbodies
   std::string name;   ///< of the sensor
+  int bits = 0;       ///< of the converter
   Json report;        ///< result.json
 };
 

@@ -38,12 +38,13 @@ CharacterizeHandle characterized(const FileName& path, const std::string& text, 
   CharacterizeHandle found;
   run_job([&](JobControl& control) {
     const ProgressCall report(progress, control);
-    const StacksFile file = text.empty() ? load_stacks(path) : parse_stacks(text, path, memory);
+    StacksFile file = text.empty() ? load_stacks(path) : parse_stacks(text, path, memory);
     std::optional<mtf::io::SensorConfig> own;
     if (nominal)
       own = *nominal->config;
     else if (!file.nominal.empty())
       own = read_sensor_file(file.nominal);
+    if (own) file.nominal = own->file, file.nominal_sha256 = own->sha256;
     ReadStacks read = read_stacks(file, own, threads, [&](double share) { report(share); });
     control.check();
     if (by_emva) {
@@ -56,7 +57,7 @@ CharacterizeHandle characterized(const FileName& path, const std::string& text, 
     }
     const FoundCamera camera = find_camera(file, std::move(own), std::move(read), "sensor.toml", false);
     found.report = json_document(camera.report);
-    found.table = characterize_table(camera.camera, camera.sensor.left);
+    found.table = characterize_table(camera.camera, camera.sensor);
     if (!camera.sensor.text.empty()) found.sensor_text = camera.sensor.text;
   });
   return found;

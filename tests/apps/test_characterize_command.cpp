@@ -138,8 +138,8 @@ TEST_F(CharacterizeCommand, ClosesTheLoop) {
   EXPECT_TRUE(first.at("transmission").at("value").is_null());
 
   const std::string sensor = read_file(scratch / "camera/sensor.toml");
-  expect_says(sensor,
-              {"its author's words", "stderr = ", "not measured: ", "optics.transmission", "interval = [\"0 e-\", "});
+  expect_says(sensor, {"its author's words", "stderr = ", "kept from the nominal: optics.f_number",
+                       "left out: detector.dark_current", "optics.transmission", "interval = [\"0 e-\", "});
   EXPECT_EQ(Json::parse(read_file(scratch / "camera/result.json")), Json::parse(found.out));
   EXPECT_EQ(lines(read_file(scratch / "camera/levels.csv")), kTimes.size() + 1);
   EXPECT_EQ(scratch.run("mtf config check camera/sensor.toml").status, 0);
