@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "apps/options.h"
 #include "mtf/io/config/config.h"
@@ -14,10 +15,11 @@ struct StacksFile;
 enum class CharacterizeMethod { fit, emva1288 };
 
 struct CharacterizeCommandOptions {
-  std::string stacks;   ///< the file that describes them
-  std::string nominal;  ///< sensor file, in place of the one that it names
-  std::string out;      ///< folder
-  bool check = false;   ///< say what could be determined, from headers alone
+  std::string stacks;              ///< the file that describes them
+  std::string nominal;             ///< sensor file, in place of the one that it names
+  std::vector<std::string> edges;  ///< images of edges, to which the nominal's fit = true is fitted after the frames
+  std::string out;                 ///< folder
+  bool check = false;              ///< say what could be determined, from headers alone
   CharacterizeMethod method = CharacterizeMethod::fit;
   bool force = false;
   bool maps = false;  ///< of offset and responsivity, in the folder

@@ -89,7 +89,7 @@ std::string summary(const Characterization& camera, const PageWords& words, cons
            : "") +
           numbers(camera) + "<p>Photon transfer: chi-square " + significant(t.chi2, 4) + " with " +
           std::to_string(t.dof) + " degrees of freedom, p = " + significant(t.p, 2) + ".</p>\n<h3>Stacks</h3>\n" +
-          stacks_table(camera, light));
+          stacks_table(camera, light) + (words.edges.empty() ? "" : "<p>" + html(words.edges) + "</p>\n"));
 }
 
 std::string notes(const Characterization& camera, const PageWords& words) {

@@ -14,6 +14,7 @@ struct PageWords {
   std::string camera;               ///< name of the nominal sensor
   std::string command;              ///< that made it
   std::vector<std::string> left{};  ///< which keys of the sensor file hold nothing measured, as not_measured() says it
+  std::string edges{};              ///< what they share with the frames, a sentence; "" without edges
   int bits = 0;
 };
 

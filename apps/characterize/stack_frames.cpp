@@ -12,7 +12,6 @@
 #include "apps/text/message_words.h"
 #include "mtf/error.h"
 #include "mtf/io/file_checks.h"
-#include "mtf/io/image_io.h"
 #include "mtf/io/npy.h"
 #include "mtf/io/plane_checks.h"
 #include "mtf/math/word_hash.h"
@@ -54,9 +53,7 @@ void require_unprocessed(const std::string& path, const mtf::io::FileInfo& info)
 /// The one plane of a picture.
 mtf::Image read_picture(const std::string& path) {
   mtf::io::ImageFile image = mtf::io::read_image(path);
-  require_unprocessed(path, image.info);
-  if (image.planes.size() != 1 && !mtf::io::is_grey(image.planes))
-    refuse(path, std::to_string(image.planes.size()) + " planes; frames have one, as the sensor gave them");
+  require_frame(path, image);
   return std::move(image.planes.front());
 }
 
@@ -198,6 +195,12 @@ class Reduction {
 };
 
 }  // namespace
+
+void require_frame(const std::string& path, const mtf::io::ImageFile& picture) {
+  require_unprocessed(path, picture.info);
+  if (picture.planes.size() != 1 && !mtf::io::is_grey(picture.planes))
+    refuse(path, std::to_string(picture.planes.size()) + " planes; frames have one, as the sensor gave them");
+}
 
 std::string words_of(const FrameShape& shape) {
   return std::to_string(shape.width) + " x " + std::to_string(shape.height) + " of " + shape.type;

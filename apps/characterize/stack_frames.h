@@ -10,6 +10,7 @@
 
 #include "apps/characterize/stacks_file.h"
 #include "calib/characterize/characterize.h"
+#include "mtf/io/image_io.h"
 
 namespace apps {
 
@@ -31,6 +32,8 @@ struct FrameShape {
 using StackShapes = std::vector<FrameShape>;  ///< of the files of a stack
 
 std::string words_of(const FrameShape& shape);
+/// Throws UsageError for a picture that is no raw frame: JPEG, behind a stated curve, of several planes.
+void require_frame(const std::string& path, const mtf::io::ImageFile& picture);
 /// Of each stack. Throws UsageError for files that hold no frames, behind a stated curve, and JPEG, for frames of other
 /// sizes or types, single ones, and a type that does not hold the bits; RuntimeError where a file cannot be read.
 std::vector<StackShapes> shapes_of(const StacksFile& file, int bits, int threads);

@@ -284,6 +284,63 @@ TEST_F(CharacterizeCommand, MapsMakeTheTwinThisArray) {
   }
 }
 
+// Edges after the frames: blur and crosstalk are those of the sensor that drew both, weighted by the noise that the
+// frames have, which the edges show as well; edges that fail leave what the frames have told.
+TEST_F(CharacterizeCommand, EdgesAreFittedByWhatTheFramesTell) {
+  simulate(kSensor, "truth", 17, "nominal = \"nominal.toml\"\n[options]\nnonlinearity = 1\n");
+  const std::string optics =
+      replaced(kSensor, "sample = \"15 um\"", "sample = \"3.75 um\"\naperture = \"box\"") +
+      "[[presample]]\nkind = \"footprint\"\nwidth = \"15 um\"\n[[presample]]\nkind = \"jitter\"\nrms = ";
+  write_file(scratch / "optics.toml", optics + "\"6 um\"\n");
+  write_file(scratch / "nominal.toml", optics + "{ value = \"4 um\", fit = true, min = \"0 um\", max = \"20 um\" }\n");
+  for (const bool across : {false, true}) {
+    mtf::Image scene(4 * kSide, 4 * kSide);
+    for (std::int64_t y = 0; y < scene.height(); ++y)
+      for (std::int64_t x = 0; x < scene.width(); ++x) {
+        const auto u = static_cast<double>(across ? y : x) - 2.0 * kSide,
+                   v = static_cast<double>(across ? x : y) - 2.0 * kSide;
+        const double distance = u * std::cos(0.09) + v * std::sin(0.09);
+        scene.at(x, y) = static_cast<float>(2e17 + 6e17 * std::clamp(distance + 0.5, 0.0, 1.0));
+      }
+    mtf::io::write_exr((scratch / "scene.exr").string(), {{"Y", scene.view()}}, {});
+    const Result run =
+        scratch.run(std::string("mtf simulate optics.toml scene.exr -o ") + (across ? "b.png" : "a.png"));
+    ASSERT_EQ(run.status, 0) << run.err;
+  }
+  const std::string command = "mtf characterize truth_stacks.toml -o camera --force ";
+  const Result found = scratch.run(command + "--edges a.png --edges b.png");
+  ASSERT_EQ(found.status, 0) << found.err << found.out;
+  expect_says(found.err, {"written to camera: sensor.toml, ", "mtf simulate camera/sensor.toml"});
+  expect_says(found.out, {"electrons_per_count", "jitter.rms", "shared", "weights the edges"});
+  const Json report = Json::parse(read_file(scratch / "camera/result.json")), edges = report.at("edges");
+  EXPECT_EQ(edges.at("status"), "converged");
+  EXPECT_EQ(edges.at("provenance").at("data").size(), 2U);
+  EXPECT_EQ(report.at("provenance").at("nominal"), "nominal.toml");
+  const auto near = [](const Json& number, const char* sd, double truth) {
+    EXPECT_NEAR(number.at("value").get<double>(), truth, 4.0 * number.at(sd).get<double>()) << number;
+    EXPECT_LT(number.at(sd).get<double>(), 0.2 * truth) << number;
+  };
+  near(edges.at("parameters")[0], "stderr", 6.0);
+  near(edges.at("parameters")[1], "stderr", 0.015);
+  std::map<std::string, Json> shared;
+  for (const Json& one : edges.at("shared")) shared[one.at("name").get<std::string>()] = one;
+  const Json& noise = shared.at("noise half way up");
+  EXPECT_NEAR(noise.at("edges").at("value").get<double>() / noise.at("frames").at("value").get<double>(), 1.0, 0.06);
+  near(shared.at("crosstalk_side").at("frames"), "sd", 0.015);
+  const std::string sensor = read_file(scratch / "camera/sensor.toml");
+  expect_says(sensor, {"its author's words", "fit = true", "prnu = { value", "kept from the nominal", "nominal.toml"});
+  expect_says(read_file(scratch / "camera/report.html"), {"noise half way up", "--edges a.png"});
+  EXPECT_EQ(scratch.run("mtf config check camera/sensor.toml").status, 0);
+
+  expect_error(scratch.run(command + "--edges scene.exr"), 2,
+               {"scene.exr", "a count of", "numbers of the frames are whole"});
+  const Json frames_alone = Json::parse(read_file(scratch / "camera/result.json"));
+  EXPECT_FALSE(frames_alone.contains("edges"));
+  EXPECT_EQ(frames_alone.at("numbers"), report.at("numbers"));
+  write_file(scratch / "nominal.toml", optics + "\"6 um\"\n");
+  expect_error(scratch.run(command + "--edges a.png"), 2, {"nothing to fit", "fit = true"});
+}
+
 /// A cube of Poisson counts about a mean, which grows by `drift` a frame, as numpy.save writes it.
 void write_cube(const fs::path& path, double mean, int frames, unsigned seed, unsigned factor = 1, double drift = 0.0) {
   std::mt19937 engine(seed);
