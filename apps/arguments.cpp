@@ -100,8 +100,10 @@ FrameRange frame_range(std::string_view option, std::string_view text) {
   for (const std::string_view part : parts)
     if (const auto value = read_number<std::int64_t>(part); value && *value >= 0 && *value <= last)
       numbers.push_back(*value);
-  if (numbers.size() != parts.size() || parts.size() < 2 || parts.size() > 3)
-    refuse(option, text, "START:STOP or START:STOP:STEP, whole numbers up to " + std::to_string(last));
+  if (numbers.size() != parts.size() || parts.size() > 3 || (parts.size() == 1 && numbers[0] == 0))
+    refuse(option, text,
+           "a number of frames, START:STOP or START:STOP:STEP, whole numbers up to " + std::to_string(last));
+  if (parts.size() == 1) return {0, numbers[0] - 1, 1};
   const FrameRange range{numbers[0], numbers[1], numbers.size() == 3 ? numbers[2] : 1};
   if (range.first > range.last) refuse(option, text, "a range: START has to be at most STOP");
   if (range.step < 1) refuse(option, text, "a range: STEP has to be 1 or more");

@@ -37,7 +37,8 @@ int whole_number(std::string_view option, std::string_view text, int low, int hi
 /// "LOW:HIGH" with LOW < HIGH.
 std::array<double, 2> number_range(std::string_view option, std::string_view text);
 
-/// "START:STOP" or "START:STOP:STEP": whole numbers, 0 <= START <= STOP, STEP at least 1; both ends belong to it.
+/// "START:STOP" or "START:STOP:STEP": whole numbers, 0 <= START <= STOP, STEP at least 1; both ends belong to it. "N":
+/// the frames 0 to N - 1.
 FrameRange frame_range(std::string_view option, std::string_view text);
 
 /// "I/N": whole numbers, 1 <= I <= N.

@@ -176,12 +176,13 @@ Command characterize_command() {
       "The folder of --out gets sensor.toml, which every command reads, with { value, stderr } for each number;\n"
       "report.html, a page with all numbers and figures; result.json with intervals; levels.csv; defects.csv. What\n"
       "frames cannot tell is named. Where the model of photon transfer does not describe the frames, the exit code is\n"
-      "3 (--allow-misfit: 0), and all files are written.\n"
+      "3 (--allow-misfit: 0), and all files are written, as where the sensor does not describe the --edges.\n"
       "STACKS may be EMVA's own descriptor of a set of frames (*.txt) for both methods. --method emva1288 gives the\n"
       "numbers of EMVA 1288 R4.0 Linear with their standard deviations, and says where its formulas are biased and by\n"
       "how much for this camera; --out then gets result.json alone.",
       "  mtf characterize check stacks.toml\n"
       "  mtf characterize stacks.toml -o camera\n"
+      "  mtf characterize stacks.toml --nominal sensor.toml --edges chart.png -o camera\n"
       "  mtf characterize EMVA1288_Data.txt --method emva1288\n"
       "  mtf characterize stacks.toml --nominal sensor.toml --format json"};
   add_file(app, "stacks", "file that describes the stacks (TOML, or EMVA's *.txt)", options.stacks).required = false;
@@ -189,6 +190,11 @@ Command characterize_command() {
              enumerated<CharacterizeMethod>("fit", "emva1288"), options.method);
   add_text(app, "--nominal", "FILE", "sensor file for what frames do not tell; in place of the one that STACKS names",
            options.nominal);
+  add_text(app, "--edges", "IMAGE",
+           "raw image of edges, of the camera and settings of the frames: what the nominal marks fit = true is then\n"
+           "fitted to it, as mtf fit does, by noise, response, full pixels, defects and crosstalk of the frames; may\n"
+           "be given again",
+           options.edges);
   add_text(app, "-o,--out", "FOLDER", "write sensor.toml, report.html, result.json, levels.csv and defects.csv here",
            options.out);
   add_flag(app, "--maps",

@@ -57,8 +57,9 @@ Command simulate_command() {
               "The tolerance is the rms error over the output pixels, relative to the scene's standard deviation.\n"
               "A number in a name, as in frame.%04d.exr, makes it a sequence: its frames run in parallel. A schedule\n"
               "has the header frame,parameter,value and lines such as 20,jitter.rms,8 urad: from frame 20 on the\n"
-              "component labelled jitter has that rms, until a later line changes it. With a schedule the scene may\n"
-              "be one image; there is an output for every frame that the schedule names, or those of --frames.",
+              "component labelled jitter has that rms, until a later line changes it. With a schedule or --frames\n"
+              "the scene may be one image; there is an output for every frame that the schedule names, or those of\n"
+              "--frames, each with noise of its own.",
               "  mtf simulate sensor.toml scene.exr -o out.exr\n"
               "  mtf simulate sensor.toml frame.%04d.exr -o out.%04d.exr --tolerance 1e-3 --report run.json"};
   auto& options = options_of<SimulateCommandOptions>(app, run_simulate);
@@ -96,7 +97,8 @@ Command simulate_command() {
       "measured run times of methods: read before, written after; default:\na file in ~/.cache/mtfkit, which may be "
       "deleted at any time",
       options.wisdom);
-  add_value(app, "--frames", "RANGE", "START:STOP[:STEP], both ends; default: all frames, or those of the schedule",
+  add_value(app, "--frames", "RANGE",
+            "START:STOP[:STEP], both ends, or N: 0 to N - 1; default: all frames, or those of the schedule",
             options.run.frames, frame_range);
   add_text(app, "--schedule", "FILE", "parameters that change over frames: CSV with frame,parameter,value",
            options.run.schedule);

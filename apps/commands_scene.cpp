@@ -165,8 +165,9 @@ Command fly_command() {
   add_file(app, "scene", "scene file (TOML)", options.scene);
   add_file(app, "sensor", "sensor file (TOML)", options.sensor);
   add_text(app, "-o,--out", "FILE", "files to write, as frame.%04d.png; .exr to measure them", options.out);
-  add_value(app, "--frames", "RANGE", "START:STOP[:STEP], both ends; default: those of the camera's path",
-            options.frames, frame_range);
+  add_value(app, "--frames", "RANGE",
+            "START:STOP[:STEP], both ends, or N: 0 to N - 1; default: those of the camera's path", options.frames,
+            frame_range);
   add_value(app, "--seconds", "N", "how long the flight takes, in place of --frames", options.seconds,
             within(0.0, mtf::kInfinity, " is below 0"));
   add_value(app, "--rate", "HZ", "frames a second of the flight; default 25", options.rate_hz,

@@ -13,3 +13,6 @@
 // Fits.
 #include "calib/fit/fit.h"
 #include "calib/series/series_fit.h"
+
+// Cameras from stacks of flat frames.
+#include "calib/characterize/characterize.h"

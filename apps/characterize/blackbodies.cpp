@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "apps/budget_table.h"
+#include "apps/edges/fit_parameters.h"
 #include "apps/sensor/sensor_air.h"
 #include "apps/sensor/sensor_place.h"
 #include "apps/text/message_words.h"
@@ -147,13 +148,15 @@ CameraFile thermal_camera_file(calib::Characterization& camera, const StacksFile
                                int bits, const std::string& destination) {
   CameraFile file;
   if (!is_thermal(nominal)) {
-    file.left.emplace_back("a sensor file: gain and read noise of a photon detector take stacks by photons");
+    file.left_out.emplace_back("a sensor file: gain and read noise of a photon detector take stacks by photons");
     return file;
   }
   const auto set = [&](const std::string& key, const std::string& value) {
     nominal = mtf::io::replaced(nominal, key, value);
   };
-  const auto text = [](double value, const std::string& unit) { return mtf::format_double(value) + unit; };
+  const auto text = [](double value, const std::string& unit) {
+    return mtf::format_double(rounded_to_error(value, 0.0)) + unit;
+  };
   const mtf::io::SensorConfig clear = without_path(nominal);
   const radiometry::Sensor sensor = load_chain(clear).sensor;
   const radiometry::ThermalSettings& thermal = *sensor.settings.thermal;
@@ -167,19 +170,18 @@ CameraFile thermal_camera_file(calib::Characterization& camera, const StacksFile
   set("detector.netd", value_with_error(*camera.find("netd"), " mK"));
   set("detector.netd_of", "camera");
   set("detector.netd_temperature", text(camera.reference_k, " K"));
-  set("detector.netd_f_number", mtf::format_double(camera_of(clear.system, sensor).f_number));
-  set("detector.netd_transmission",
-      mtf::format_double(reference_transmission(clear.system, sensor, camera.reference_k)));
+  set("detector.netd_f_number", text(camera_of(clear.system, sensor).f_number, ""));
+  set("detector.netd_transmission", text(reference_transmission(clear.system, sensor, camera.reference_k), ""));
   if (!thermal.bandwidth_hz && frame && frame->frame_time_s)
     set("detector.netd_frame_rate", text(1.0 / *frame->frame_time_s, " Hz"));
   const double uv_per_mk = 1e-3 * camera.find("sitf")->value;  // a count is called 1 uV where counts_per_kelvin stands
   for (const NoiseKey& one : kNoiseKeys)
     set(std::string(one.key), value_with_error(*camera.find(one.finding), " uV", uv_per_mk));
   set("nonuniformity.prnu", value_with_error(*camera.find("prnu"), ""));
-  for (const char* const key : {"optics.transmission", "detector.absorptance", "optics.f_number", "band.wavelength"})
-    file.left.emplace_back(key);
+  add_not_measured(file, {"optics.transmission", "detector.absorptance", "optics.f_number", "band.wavelength"},
+                   nominal);
   add_predictions(camera, without_path(nominal));
-  file.text = file_head(camera, stacks, file.left) + own_named(nominal, destination).text;
+  file.text = file_head(camera, stacks, file) + own_named(nominal, destination).text;
   return file;
 }
 

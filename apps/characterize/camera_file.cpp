@@ -77,19 +77,25 @@ Json finding_json(const Finding& f) {
   return one;
 }
 
-Json provenance_json(const StacksFile& stacks) { return {{"stacks", stacks.file}, {"sha256", stacks.sha256}}; }
+Json provenance_json(const StacksFile& stacks) {
+  return {{"stacks", stacks.file},
+          {"sha256", stacks.sha256},
+          {"nominal", text_or_null(stacks.nominal)},
+          {"nominal_sha256", text_or_null(stacks.nominal_sha256)}};
+}
 
 bool is_set(const Finding* f) { return f != nullptr && f->verdict == calib::Verdict::determined; }
 
 }  // namespace
 
 std::string value_with_error(const Finding& f, std::string_view unit, double scale) {
-  if (f.verdict == calib::Verdict::upper_limit) {
-    const auto part = [&](double number) { return quantity(scale * std::max(0.0, number), unit); };
-    return "{ value = " + part(f.value) + ", interval = [" + part(f.low95) + ", " + part(f.high95) + "] }";
-  }
-  const double sd = std::hypot(f.sd, f.sd_systematic.value_or(0.0));
-  return "{ value = " + quantity(scale * f.value, unit) + ", stderr = " + quantity(scale * sd, unit) + " }";
+  const bool limit = f.verdict == calib::Verdict::upper_limit;
+  const double sd = limit ? 0.25 * (f.high95 - f.low95) : std::hypot(f.sd, f.sd_systematic.value_or(0.0));
+  const auto part = [&](double number) {
+    return quantity(rounded_to_error(scale * (limit ? std::max(0.0, number) : number), scale * sd), unit);
+  };
+  return "{ value = " + part(f.value) +
+         (limit ? ", interval = [" + part(f.low95) + ", " + part(f.high95) + "]" : ", stderr = " + part(sd)) + " }";
 }
 
 std::string shown(const Finding& f) {
@@ -117,11 +123,30 @@ mtf::io::SensorConfig own_named(const mtf::io::SensorConfig& sensor, const std::
   return read_again(write_config(sensor, destination), there);
 }
 
-std::string file_head(const Characterization& camera, const StacksFile& stacks, const std::vector<std::string>& left) {
-  return "# mtf characterize " + one_line(stacks.file) + ", sha256 " + stacks.sha256 + "\n# " +
+std::vector<std::string> not_measured(const CameraFile& file) {
+  std::vector<std::string> all;
+  if (!file.kept.empty())
+    all.push_back((file.placeholders ? "placeholders, as there is no nominal: " : "kept from the nominal: ") +
+                  joined(file.kept));
+  if (!file.left_out.empty()) all.push_back("left out: " + joined(file.left_out));
+  return all;
+}
+
+void add_not_measured(CameraFile& file, const std::vector<std::string>& keys, const mtf::io::SensorConfig& sensor) {
+  for (const std::string& key : keys)
+    (mtf::io::stated_value(sensor, key).empty() ? file.left_out : file.kept).push_back(key);
+}
+
+std::string file_head(const Characterization& camera, const StacksFile& stacks, const CameraFile& file) {
+  const std::string nominal = stacks.nominal_sha256.empty()
+                                  ? ""
+                                  : "\n# nominal " + one_line(stacks.nominal) + ", sha256 " + stacks.nominal_sha256;
+  return "# mtf characterize " + one_line(stacks.file) + ", sha256 " + stacks.sha256 + nominal + "\n# " +
          (camera.misfit ? "the model does not describe the frames: " + camera.misfit_reason
                         : model_name(camera) + ": p = " + significant(camera.transfer.p, 2)) +
-         "\n# not measured: " + joined(left) + "\n" +
+         "\n# no measured number:\n" +
+         joined(
+             not_measured(file), [](const std::string& line) { return "#   " + line + "\n"; }, "") +
          joined(
              camera.warnings, [](const std::string& w) { return "# warning: " + one_line(w) + "\n"; }, "");
 }
@@ -138,7 +163,8 @@ std::string least_sensor(std::int64_t columns, std::int64_t rows, int bits, doub
 
 CameraFile camera_file(const Characterization& camera, const StacksFile& stacks, mtf::io::SensorConfig nominal,
                        int bits, bool placeholders, bool maps, const std::string& destination) {
-  CameraFile file;
+  CameraFile file{.placeholders = placeholders};
+  std::vector<std::string> left;
   const auto set = [&](const std::string& key, const std::string& value) {
     nominal = mtf::io::replaced(nominal, key, value);
   };
@@ -156,7 +182,7 @@ CameraFile camera_file(const Characterization& camera, const StacksFile& stacks,
       set(key, value_with_error(*f, one.unit));
       continue;
     }
-    if (f != nullptr) file.left.push_back(key);
+    if (f != nullptr) left.push_back(key);
     // Patterns of the nominal may stay; the dark current of stacks of one exposure is in offset and read noise.
     const bool may_stay = f != nullptr && one.finding != "dark_current";
     if (!may_stay) unset(key);
@@ -166,10 +192,10 @@ CameraFile camera_file(const Characterization& camera, const StacksFile& stacks,
   if (photons && rate->value <= 1.0)
     set("detector.quantum_efficiency", value_with_error(*rate, ""));
   else
-    file.left.emplace_back("detector.quantum_efficiency");
-  for (const char* const key : {"optics.transmission", "optics.f_number"}) file.left.emplace_back(key);
+    left.emplace_back("detector.quantum_efficiency");
+  for (const char* const key : {"optics.transmission", "optics.f_number"}) left.emplace_back(key);
   if (placeholders)
-    for (const char* const key : {"frame.focal_length", "frame.pitch", "band.wavelength"}) file.left.emplace_back(key);
+    for (const char* const key : {"frame.focal_length", "frame.pitch", "band.wavelength"}) left.emplace_back(key);
   const Finding *side = camera.find("crosstalk_side"), *corner = camera.find("crosstalk_corner");
   const auto& list = nominal.system.list(mtf::Stage::readout);
   const auto there =
@@ -193,11 +219,12 @@ CameraFile camera_file(const Characterization& camera, const StacksFile& stacks,
     set("nonuniformity.offset", "offset.exr");
     set("nonuniformity.responsivity", "responsivity.exr");
   }
-  file.text = file_head(camera, stacks, file.left) + nominal.text;
+  add_not_measured(file, left, nominal);
+  file.text = file_head(camera, stacks, file) + nominal.text;
   return file;
 }
 
-std::string characterize_table(const Characterization& camera, const std::vector<std::string>& left) {
+std::string characterize_table(const Characterization& camera, const CameraFile& file) {
   TextTable table({"number", "value", "from"});
   for (const Finding& f : camera.findings) table.add({f.name, shown(f), f.from});
   std::string text = table.aligned();
@@ -208,7 +235,7 @@ std::string characterize_table(const Characterization& camera, const std::vector
   text += "defects              " + plural(std::ssize(camera.defects), "pixel") +
           (camera.reference_k > 0.0 ? " beyond 4.5 sd, which noise_vh counts and dsnu leaves out\n"
                                     : " of the dark beyond 4.5 sd\n");
-  text += "not measured         " + joined(left) + "\n";
+  for (const std::string& line : not_measured(file)) text += line + "\n";
   if (camera.misfit) text += "the model does not describe the frames: " + camera.misfit_reason + "\n";
   for (const std::string& warning : camera.warnings) text += "warning: " + warning + "\n";
   return text;
@@ -243,7 +270,12 @@ Json characterize_json(const Characterization& camera, const StacksFile& stacks,
   json["light_unit"] = stacks.has_blackbodies()               ? "weighted radiance"
                        : stacks.unit == LightUnit::irradiance ? "photons"
                                                               : name_of(stacks.unit);
-  json["not_measured"] = file.left;
+  std::vector<std::string> all = file.kept;
+  all.insert(all.end(), file.left_out.begin(), file.left_out.end());
+  json["not_measured"] = all;
+  json["kept_from_nominal"] = file.placeholders ? std::vector<std::string>() : file.kept;
+  json["placeholders"] = file.placeholders ? file.kept : std::vector<std::string>();
+  json["left_out"] = file.left_out;
   json["provenance"] = provenance_json(stacks);
   return json;
 }

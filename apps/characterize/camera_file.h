@@ -14,9 +14,16 @@
 namespace apps {
 
 struct CameraFile {
-  std::string text;
-  std::vector<std::string> left;  ///< keys that hold nothing measured: the nominal's, or placeholders
+  std::string text{};
+  // Keys for which there is no measured number.
+  std::vector<std::string> kept{};      ///< that have the nominal's value, or a placeholder
+  std::vector<std::string> left_out{};  ///< that the file does not have
+  bool placeholders = false;            ///< there is no nominal
 };
+/// "kept from the nominal: optics.f_number, optics.transmission" and "left out: ...", those that there are.
+std::vector<std::string> not_measured(const CameraFile& file);
+/// Parts the keys, for which `sensor` has no measured number.
+void add_not_measured(CameraFile& file, const std::vector<std::string>& keys, const mtf::io::SensorConfig& sensor);
 
 /// The least sensor file in which the numbers can stand. What flat frames do not tell is a placeholder.
 std::string least_sensor(std::int64_t columns, std::int64_t rows, int bits, double time_s);
@@ -36,10 +43,9 @@ mtf::io::SensorConfig without_key(mtf::io::SensorConfig sensor, const std::strin
 /// The sensor as a file at `destination`, which names its own files from its folder.
 mtf::io::SensorConfig own_named(const mtf::io::SensorConfig& sensor, const std::string& destination);
 /// Lines above its text: where its numbers are from, and what is not measured.
-std::string file_head(const calib::Characterization& camera, const StacksFile& stacks,
-                      const std::vector<std::string>& left);
+std::string file_head(const calib::Characterization& camera, const StacksFile& stacks, const CameraFile& file);
 
-std::string characterize_table(const calib::Characterization& camera, const std::vector<std::string>& left);
+std::string characterize_table(const calib::Characterization& camera, const CameraFile& file);
 Json characterize_json(const calib::Characterization& camera, const StacksFile& stacks, const CameraFile& file);
 std::string emva1288_table(const calib::Emva1288& standard);
 Json emva1288_json(const calib::Emva1288& standard, const StacksFile& stacks);

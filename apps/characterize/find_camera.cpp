@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "apps/characterize/blackbodies.h"
-#include "apps/characterize/stack_frames.h"
 #include "apps/sensor/sensor_air.h"
 #include "mtf/error.h"
 #include "mtf/io/config/config_reader.h"
@@ -72,9 +71,15 @@ int bits_of(const StacksFile& file, const Nominal& nominal) {
                         "a nominal sensor with [adc]");
 }
 
+std::vector<StackShapes> look_at_stacks(const StacksFile& file, const Nominal& nominal, int threads) {
+  require_fitting_light(file, nominal);
+  static_cast<void>(photons_per_irradiance(file, nominal));
+  return shapes_of(file, bits_of(file, nominal), threads);
+}
+
 ReadStacks read_stacks(const StacksFile& file, const Nominal& nominal, int threads,
                        const std::function<void(double)>& progress) {
-  require_fitting_light(file, nominal);
+  const std::vector<StackShapes> shapes = look_at_stacks(file, nominal, threads);
   FrameSource source{.bits = bits_of(file, nominal), .threads = threads};
   const double photons = photons_per_irradiance(file, nominal), most = std::ldexp(1.0, source.bits) - 1.0;
   std::size_t files = 0, done = 0;
@@ -89,8 +94,9 @@ ReadStacks read_stacks(const StacksFile& file, const Nominal& nominal, int threa
                           .trend = file.trend,
                           .light_repeatability = file.repeatability,
                           .counts_time = file.has_times}};
-  for (const StackEntry& entry : file.stacks) {
-    read.stacks.push_back(read_stack(entry, file, source));
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    const StackEntry& entry = file.stacks[i];
+    read.stacks.push_back(read_stack(entry, shapes[i], file, source));
     if (file.unit == LightUnit::irradiance) read.stacks.back().light *= photons * entry.time_s;
     if (!file.has_blackbodies()) calib::drop_planes(read.stacks);
   }
@@ -119,6 +125,7 @@ FoundCamera find_camera(const StacksFile& file, Nominal nominal, ReadStacks read
     nominal = std::move(least.config);
   }
   found.name = nominal->system.name;
+  found.bits = read.bits;
   warn_of_nominal(*nominal, found.camera.warnings);
   const calib::Finding* const rate = found.camera.find("rate");
   if (rate != nullptr && rate->low95 > 1.0 && file.tells_photons())

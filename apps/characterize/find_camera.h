@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "apps/characterize/camera_file.h"
+#include "apps/characterize/stack_frames.h"
 
 namespace apps {
 
@@ -25,8 +26,12 @@ struct ReadStacks {
 /// The converter's bits: of the stacks' file, else of the nominal. Throws UsageError where neither has them.
 int bits_of(const StacksFile& file, const std::optional<mtf::io::SensorConfig>& nominal);
 
-/// `progress`: the share of the files that was read; may be null. Throws as read_stack(), and UsageError for light that
-/// does not go with the detector of the nominal.
+/// What can be refused before a frame is read, by a check as by a run. Throws as shapes_of() and bits_of(), and
+/// UsageError for light that does not go with the detector of the nominal.
+std::vector<StackShapes> look_at_stacks(const StacksFile& file, const std::optional<mtf::io::SensorConfig>& nominal,
+                                        int threads);
+
+/// `progress`: the share of the files that was read; may be null. Throws as look_at_stacks() and read_stack().
 ReadStacks read_stacks(const StacksFile& file, const std::optional<mtf::io::SensorConfig>& nominal, int threads,
                        const std::function<void(double)>& progress);
 
@@ -34,6 +39,7 @@ struct FoundCamera {
   calib::Characterization camera;
   CameraFile sensor;  ///< without text where frames make none: a photon detector before blackbodies
   std::string name;   ///< of the sensor
+  int bits = 0;       ///< of the converter
   Json report;        ///< result.json
 };
 

@@ -89,7 +89,7 @@ std::string summary(const Characterization& camera, const PageWords& words, cons
            : "") +
           numbers(camera) + "<p>Photon transfer: chi-square " + significant(t.chi2, 4) + " with " +
           std::to_string(t.dof) + " degrees of freedom, p = " + significant(t.p, 2) + ".</p>\n<h3>Stacks</h3>\n" +
-          stacks_table(camera, light));
+          stacks_table(camera, light) + (words.edges.empty() ? "" : "<p>" + html(words.edges) + "</p>\n"));
 }
 
 std::string notes(const Characterization& camera, const PageWords& words) {
@@ -98,7 +98,7 @@ std::string notes(const Characterization& camera, const PageWords& words) {
     if (f.verdict == Verdict::not_determined)
       table.add({"<code class=\"number\">" + html(f.name) + "</code>", html(f.why)});
   std::string text = table.html() +
-                     "<p>Keys of the sensor file that hold nothing measured: " + html(joined(words.left)) +
+                     "<p>Keys of the sensor file without a measured number: " + html(joined(words.left, "; ")) +
                      ".</p>\n<h3>Warnings</h3>\n";
   for (const std::string& warning : camera.warnings) text += "<p class=\"warning\">" + html(warning) + "</p>\n";
   return html_section("notes", "Not determined, and warnings", "",
@@ -182,10 +182,14 @@ std::string characterize_page(const Characterization& camera, const std::vector<
       {"defects", "Defects", html_section("defects", "Map of defects", "All of them: defects.csv.", defects)},
       {"notes", "Not determined", notes(camera, words)},
       {"provenance", "Provenance",
-       html_section("provenance", "Provenance", "",
-                    "<p>mtf " + html(mtf::version) + " " + html(mtf::git_commit) + "</p>\n<p><code>" +
-                        html(words.command) + "</code></p>\n<p>" + html(stacks.file) +
-                        ", sha256 <span class=\"hash\">" + html(stacks.sha256) + "</span></p>\n")}};
+       html_section(
+           "provenance", "Provenance", "",
+           "<p>mtf " + html(mtf::version) + " " + html(mtf::git_commit) + "</p>\n<p><code>" + html(words.command) +
+               "</code></p>\n<p>" + html(stacks.file) + ", sha256 <span class=\"hash\">" + html(stacks.sha256) +
+               "</span></p>\n" +
+               (stacks.nominal_sha256.empty() ? ""
+                                              : "<p>" + html(stacks.nominal) + ", sha256 <span class=\"hash\">" +
+                                                    html(stacks.nominal_sha256) + "</span></p>\n"))}};
   return html_page(html(words.camera), "camera from its own frames, by mtf " + html(mtf::version), parts);
 }
 

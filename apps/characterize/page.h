@@ -13,7 +13,8 @@ namespace apps {
 struct PageWords {
   std::string camera;               ///< name of the nominal sensor
   std::string command;              ///< that made it
-  std::vector<std::string> left{};  ///< keys of the sensor file that hold nothing measured
+  std::vector<std::string> left{};  ///< which keys of the sensor file hold nothing measured, as not_measured() says it
+  std::string edges{};              ///< what they share with the frames, a sentence; "" without edges
   int bits = 0;
 };
 

@@ -12,7 +12,6 @@
 #include "apps/text/message_words.h"
 #include "mtf/error.h"
 #include "mtf/io/file_checks.h"
-#include "mtf/io/image_io.h"
 #include "mtf/io/npy.h"
 #include "mtf/io/plane_checks.h"
 #include "mtf/math/word_hash.h"
@@ -54,9 +53,7 @@ void require_unprocessed(const std::string& path, const mtf::io::FileInfo& info)
 /// The one plane of a picture.
 mtf::Image read_picture(const std::string& path) {
   mtf::io::ImageFile image = mtf::io::read_image(path);
-  require_unprocessed(path, image.info);
-  if (image.planes.size() != 1 && !mtf::io::is_grey(image.planes))
-    refuse(path, std::to_string(image.planes.size()) + " planes; frames have one, as the sensor gave them");
+  require_frame(path, image);
   return std::move(image.planes.front());
 }
 
@@ -125,6 +122,22 @@ void read_frame(const StackEntry& entry, const FramePlace& place, double step, S
   frame.hash = hash_of(frame.image);
 }
 
+FrameShape shape_of(const StackEntry& entry, const std::string& path) {
+  if (const auto cube = cube_of(entry, path)) {
+    std::vector<std::uint64_t> shape = cube->shape();
+    if (shape.size() == 2) shape.insert(shape.begin(), 1);
+    if (shape.size() != 3) refuse(path, "a cube of frames x rows x columns belongs here");
+    const auto rows = static_cast<std::int64_t>(shape[1]), columns = static_cast<std::int64_t>(shape[2]);
+    mtf::io::check_plane_size(path, columns, rows, 1);
+    const std::string kind = cube->type()[1] == 'u' ? "uint" : cube->type()[1] == 'i' ? "int" : "float";
+    return {static_cast<std::int64_t>(shape[0]), entry.raw ? static_cast<std::int64_t>(entry.raw->width) : columns,
+            rows, kind + std::to_string(8 * (cube->type()[2] - '0'))};
+  }
+  const mtf::io::FileInfo info = mtf::io::read_info(path);
+  require_unprocessed(path, info);
+  return {1, info.width, info.height, info.channels.front().type};
+}
+
 class Reduction {
  public:
   Reduction(const StackEntry& entry, const StacksFile& file, FrameSource& source)
@@ -183,33 +196,53 @@ class Reduction {
 
 }  // namespace
 
-FrameShape shape_of(const StackEntry& entry, const std::string& path) {
-  if (const auto cube = cube_of(entry, path)) {
-    std::vector<std::uint64_t> shape = cube->shape();
-    if (shape.size() == 2) shape.insert(shape.begin(), 1);
-    if (shape.size() != 3) refuse(path, "a cube of frames x rows x columns belongs here");
-    const auto rows = static_cast<std::int64_t>(shape[1]), columns = static_cast<std::int64_t>(shape[2]);
-    mtf::io::check_plane_size(path, columns, rows, 1);
-    const std::string kind = cube->type()[1] == 'u' ? "uint" : cube->type()[1] == 'i' ? "int" : "float";
-    return {static_cast<std::int64_t>(shape[0]), entry.raw ? static_cast<std::int64_t>(entry.raw->width) : columns,
-            rows, kind + std::to_string(8 * (cube->type()[2] - '0'))};
-  }
-  const mtf::io::FileInfo info = mtf::io::read_info(path);
-  require_unprocessed(path, info);
-  return {1, info.width, info.height, info.channels.front().type};
+void require_frame(const std::string& path, const mtf::io::ImageFile& picture) {
+  require_unprocessed(path, picture.info);
+  if (picture.planes.size() != 1 && !mtf::io::is_grey(picture.planes))
+    refuse(path, std::to_string(picture.planes.size()) + " planes; frames have one, as the sensor gave them");
 }
 
-calib::Stack read_stack(const StackEntry& entry, const StacksFile& file, FrameSource& source) {
-  std::vector<FramePlace> places;
-  for (const auto& frame : entry.memory)
-    places.push_back(
-        {entry.name,
-         {.frames = std::ssize(entry.memory), .width = frame.width, .height = frame.height, .type = "float32"},
-         std::ssize(places)});
-  for (const std::string& path : entry.files) {
-    const FrameShape shape = shape_of(entry, path);
-    for (std::int64_t t = 0; t < shape.frames; ++t) places.push_back({path, shape, t});
+std::string words_of(const FrameShape& shape) {
+  return std::to_string(shape.width) + " x " + std::to_string(shape.height) + " of " + shape.type;
+}
+
+std::vector<StackShapes> shapes_of(const StacksFile& file, int bits, int threads) {
+  std::vector<StackShapes> stacks;
+  for (const StackEntry& entry : file.stacks) {
+    StackShapes& shapes = stacks.emplace_back(std::max<std::size_t>(1, entry.files.size()));
+    if (const auto& memory = entry.memory; !memory.empty())
+      shapes[0] = {std::ssize(memory), memory[0].width, memory[0].height, "float32"};
+    mtf::parallel_for(std::ssize(entry.files), 16, threads, [&](std::int64_t begin, std::int64_t end) {
+      for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
+        shapes[i] = shape_of(entry, entry.files[i]);
+    });
+    std::int64_t frames = 0;
+    const FrameShape& first = stacks.front().front();
+    for (std::size_t i = 0; i < shapes.size(); ++i) {
+      frames += shapes[i].frames;
+      if (words_of(shapes[i]) != words_of(first))
+        refuse(
+            entry.memory.empty() ? entry.files[i] : entry.name,
+            "frames of " + words_of(shapes[i]) + " among those of " + words_of(first) + "; give all one size and type");
+    }
+    if (frames < 2) refuse(entry.name, "a single frame has no temporal noise; give two frames or more");
   }
+  const std::string& type = stacks.front().front().type;
+  const double stored = (std::ldexp(1.0, bits) - 1.0) * file.step;
+  for (const auto& [name, most] : {std::pair{"uint8", 255.0}, std::pair{"uint16", 65535.0}, std::pair{"int16", 32767.0},
+                                   std::pair{"half", 2048.0}})
+    if (type == name && stored > most)
+      refuse(file.file, std::to_string(bits) + " bits in steps of " + significant(file.step, 6) +
+                            " are more than the files hold, " + type + "; correct bits in [camera]");
+  return stacks;
+}
+
+calib::Stack read_stack(const StackEntry& entry, const StackShapes& shapes, const StacksFile& file,
+                        FrameSource& source) {
+  std::vector<FramePlace> places;
+  for (std::size_t i = 0; i < shapes.size(); ++i)
+    for (std::int64_t t = 0; t < shapes[i].frames; ++t)
+      places.push_back({entry.memory.empty() ? entry.files[i] : entry.name, shapes[i], t});
   const std::int64_t bytes = 4 * places[0].shape.width * places[0].shape.height;
   const std::int64_t most = std::clamp<std::int64_t>(kBatchBytes / bytes, 2, 64);
   Reduction reduction(entry, file, source);

@@ -10,6 +10,7 @@
 
 #include "apps/characterize/stacks_file.h"
 #include "calib/characterize/characterize.h"
+#include "mtf/io/image_io.h"
 
 namespace apps {
 
@@ -28,13 +29,19 @@ struct FrameShape {
   std::int64_t frames = 1, width = 0, height = 0;
   std::string type;  ///< "uint16"
 };
-/// Throws UsageError for a file that holds no frames, behind a stated curve, and JPEG; RuntimeError where it cannot be
-/// read.
-FrameShape shape_of(const StackEntry& entry, const std::string& path);
+using StackShapes = std::vector<FrameShape>;  ///< of the files of a stack
+
+std::string words_of(const FrameShape& shape);
+/// Throws UsageError for a picture that is no raw frame: JPEG, behind a stated curve, of several planes.
+void require_frame(const std::string& path, const mtf::io::ImageFile& picture);
+/// Of each stack. Throws UsageError for files that hold no frames, behind a stated curve, and JPEG, for frames of other
+/// sizes or types, single ones, and a type that does not hold the bits; RuntimeError where a file cannot be read.
+std::vector<StackShapes> shapes_of(const StacksFile& file, int bits, int threads);
 
 /// Throws UsageError with file and remedy for frames of several planes, of another size than the first, with NaN, with
-/// values beyond the bits or in larger steps than stated, bytes in the other order, behind a stated curve, JPEG, and
-/// for a frame that was there before; RuntimeError where a file cannot be read.
-calib::Stack read_stack(const StackEntry& entry, const StacksFile& file, FrameSource& source);
+/// values beyond the bits or in larger steps than stated, bytes in the other order, and for a frame that was there
+/// before; RuntimeError where a file cannot be read.
+calib::Stack read_stack(const StackEntry& entry, const StackShapes& shapes, const StacksFile& file,
+                        FrameSource& source);
 
 }  // namespace apps

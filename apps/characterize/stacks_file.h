@@ -61,7 +61,7 @@ struct StackEntry {
 
 struct StacksFile {
   std::string file, sha256;
-  std::string nominal{};  ///< "" for none
+  std::string nominal{}, nominal_sha256{};  ///< "" for none; the hash is of what was read of it
   std::optional<int> bits{};
   double step = 1.0;  ///< of stored values, in counts
   std::optional<double> full_well_e{};

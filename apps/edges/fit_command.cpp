@@ -324,8 +324,7 @@ std::string fit_table(const FitResult& result) {
   return text;
 }
 
-std::string fit_json(const FitResult& result, const mtf::io::SensorConfig& sensor,
-                     const std::vector<std::string>& inputs) {
+Json fit_report(const FitResult& result, const mtf::io::SensorConfig& sensor, const std::vector<std::string>& inputs) {
   Json json{{"version", mtf::version}, {"status", status_name(result.status)}};
   json["reason"] = text_or_null(result.reason);
   json["warnings"] = result.warnings;
@@ -367,7 +366,7 @@ std::string fit_json(const FitResult& result, const mtf::io::SensorConfig& senso
   json["iterations"] = result.iterations;
   json["starts_agreeing"] = result.starts_agreeing;
   json["provenance"] = provenance(sensor, inputs);
-  return json_document(json, -1);
+  return json;
 }
 
 std::string fitted_config(const FitResult& result, const mtf::io::SensorConfig& sensor,
@@ -379,17 +378,23 @@ std::string fitted_config(const FitResult& result, const mtf::io::SensorConfig& 
                inputs, result.parameters, result.not_separable, result.richer_models);
   std::vector<std::optional<double>> values(fitted.fits.size());
   for (const FittedParameter& p : result.parameters) {
-    calib::set_parameter(fitted.system, p.parameter.path, p.value);
+    const auto sd = p.knowledge == Knowledge::determined ? p.stderr_value : std::nullopt;
+    const double value = p.knowledge == Knowledge::at_bound ? p.value
+                                                            : std::clamp(rounded_to_error(p.value, sd.value_or(0.0)),
+                                                                         p.parameter.min.value_or(-mtf::kInfinity),
+                                                                         p.parameter.max.value_or(mtf::kInfinity));
+    calib::set_parameter(fitted.system, p.parameter.path, value);
     const auto spec = std::find_if(fitted.fits.begin(), fitted.fits.end(),
                                    [&](const mtf::io::FitSpec& fit) { return fit.path == p.parameter.path; });
     if (spec == fitted.fits.end()) continue;
-    values[static_cast<std::size_t>(spec - fitted.fits.begin())] = p.value;
-    spec->stderr_value = p.knowledge == Knowledge::determined ? p.stderr_value : std::nullopt;
+    values[static_cast<std::size_t>(spec - fitted.fits.begin())] = value;
+    spec->stderr_value = sd ? std::optional(rounded_to_error(*sd, *sd)) : std::nullopt;
   }
   // The user's own text with the new numbers, where that says the same; curve files are named relative to it.
   const std::string whole = write_config(fitted, destination);
   const std::string own = without_fit_head(splice_fits(fitted, values));
-  const mtf::io::ConfigResult read = mtf::io::parse_config(own, destination.empty() ? sensor.file : destination);
+  const mtf::io::ConfigResult read =
+      mtf::io::parse_config(own, destination.empty() ? sensor.file : destination, sensor.schema);
   return head + (read.ok() && write_config(read.config, destination) == whole ? own : whole);
 }
 
@@ -425,7 +430,7 @@ int run_fit(const FitOptions& options, const Global& global) {
 
   const bool fitted =
       result.status == calib::FitStatus::converged || result.status == calib::FitStatus::converged_model_wrong;
-  const std::string json = fit_json(result, sensor, loaded.files);
+  const std::string json = json_document(fit_report(result, sensor, loaded.files), -1);
   if (!options.report.empty()) emit(outputs.at(options.report), json);
   if (fitted) {
     if (!options.plot.empty()) {

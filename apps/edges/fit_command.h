@@ -10,6 +10,7 @@
 
 #include "apps/edges/edge_input.h"
 #include "apps/edges/measure_report.h"
+#include "apps/text/json.h"
 #include "calib/fit/fit.h"
 #include "mtf/io/config/config.h"
 
@@ -34,8 +35,8 @@ void add_edges(LoadedData& loaded, EdgePlane plane, std::size_t condition, int t
 void add_spot(LoadedData& loaded, EdgePlane plane, std::size_t condition);
 
 std::string fit_table(const calib::FitResult& result);
-std::string fit_json(const calib::FitResult& result, const mtf::io::SensorConfig& sensor,
-                     const std::vector<std::string>& inputs);
+Json fit_report(const calib::FitResult& result, const mtf::io::SensorConfig& sensor,
+                const std::vector<std::string>& inputs);
 
 /// The sensor file with the fitted values, their standard errors and where they come from. What the data do not
 /// determine has the values of the best fit, so that the file gives the measured MTF, but no standard error.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <sstream>
 
 #include "apps/terminal/text_table.h"
@@ -136,6 +137,14 @@ std::string shown_with_error(double value, double sd) {
   if (!(sd > 0.0) || !std::isfinite(sd)) return significant(value, 6);
   const int digits = static_cast<int>(std::floor(std::log10(std::max(std::abs(value), sd) / sd))) + 2;
   return significant(value, std::clamp(digits, 2, 12), true);
+}
+
+double rounded_to_error(double value, double sd) {
+  if (value == 0.0 || !std::isfinite(value)) return value;
+  const auto first = [](double number) { return static_cast<int>(std::floor(std::log10(std::abs(number)))); };
+  const bool has_error = sd > 0.0 && std::isfinite(sd);
+  const int digits = has_error ? first(value) - first(sd) + 3 : 10;
+  return digits < 1 ? 0.0 : std::strtod(significant(value, std::min(digits, 17)).c_str(), nullptr);
 }
 
 bool matters(const calib::Estimate& plain, const calib::Estimate& richer) {

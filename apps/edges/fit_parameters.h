@@ -14,6 +14,9 @@ namespace apps {
 
 /// As many digits as the standard error has, two more than its first.
 std::string shown_with_error(double value, double sd);
+/// As files have it: to two digits beyond the first one of its standard error, which moves it by at most 0.01 of that;
+/// without an error (0) to ten digits.
+double rounded_to_error(double value, double sd);
 
 /// Whether one more unknown of the sensor changes what is known of a number: it moves by more than its standard
 /// deviation, or that grows by half.

@@ -130,7 +130,8 @@ py::list residuals_of(const FitHandle& fit) {
 
 void add_fit(py::module_& module) {
   py::class_<FitHandle>(module, "FitRun", "A finished fit.")
-      .def_property_readonly("report", [](const FitHandle& f) { return fit_json(f.result, *f.sensor, f.files); })
+      .def_property_readonly(
+          "report", [](const FitHandle& f) { return json_document(fit_report(f.result, *f.sensor, f.files), -1); })
       .def_property_readonly("table", [](const FitHandle& f) { return fit_table(f.result); })
       .def_property_readonly("sensor", &fitted_sensor)
       .def_property_readonly("residuals", &residuals_of);

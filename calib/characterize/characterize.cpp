@@ -6,6 +6,7 @@
 #include <limits>
 #include <set>
 
+#include "calib/characterize/rounding.h"
 #include "calib/characterize/trend.h"
 #include "calib/fit/fit_report.h"
 #include "mtf/error.h"
@@ -18,9 +19,10 @@ using mtf::significant;
 using radiometry::kT, radiometry::kTh, radiometry::kTv, radiometry::kTvh;
 
 constexpr double kSure_sd = 3.0;
-constexpr const char* kHidden = "rounding hides noise below 0.6 counts where all pixels have one offset";
 
 double square(double x) { return x * x; }
+
+std::string hidden_why() { return "rounding hides " + hidden_words(); }
 
 /// Sum of the variances of a part over the stacks by their weights, in its standard deviations.
 double significance(const std::vector<Stack>& stacks, radiometry::CubePart part) {
@@ -127,7 +129,7 @@ class Analysis {
   Analysis(std::vector<Stack> stacks, const CharacterizeOptions& options) : options_(options) {
     for (Stack* const stack : by_light(stacks)) result_.stacks.push_back(std::move(*stack));
     mark_saturated(by_light(result_.stacks));
-    require_sound(result_.stacks);
+    require_sound(result_.stacks, options_.light_repeatability);
     make_levels();
     fit();
     add_transfer();
@@ -219,10 +221,8 @@ void Analysis::make_levels() {
       level.variance_counts = false;
       level.mean_variance += 1.0 / 12.0;
       read_hidden_ = read_hidden_ || stack.light == 0.0;
-      result_.warnings.push_back(
-          stack.name +
-          ": noise below 0.6 counts, and pixels within half a count of each other: what rounding "
-          "makes of it depends on the offset; its variance is left out");
+      result_.warnings.push_back(stack.name + ": " + hidden_words() +
+                                 ": what rounding makes of it depends on the offset; its variance is left out");
     }
     result_.level_of[i] = static_cast<int>(result_.levels.size());
     result_.levels.push_back(level);
@@ -329,7 +329,7 @@ void Analysis::add_transfer() {
   if (read_hidden_) {
     Finding& finding = result_.findings.back();
     finding.verdict = Verdict::upper_limit;
-    finding.why = kHidden;
+    finding.why = hidden_why();
   }
   const Estimate rate = scaled(t.rate, 1.0);
   add_value("rate", "e- per unit of light", rate, from);
@@ -385,12 +385,12 @@ void Analysis::add_lines() {
   const std::string why = "with crosstalk it takes a dark stack that is not clipped";
   for (const auto& [name, part] : {std::pair{"row_noise", kTv}, std::pair{"column_noise", kTh}}) {
     if (pooled.empty())
-      not_determined(name, "e-", darkest() == nullptr ? why : kHidden);
+      not_determined(name, "e-", darkest() == nullptr ? why : hidden_why());
     else
       add_rms(name, "e-", pool(part), gain_, result_.crosstalk.found ? "the dark stacks" : "all stacks, pooled");
   }
   if (const Stack* dark = darkest(); dark != nullptr && is_hidden_by_rounding(*dark))
-    not_determined("frame_noise", "e-", kHidden);
+    not_determined("frame_noise", "e-", hidden_why());
   else if (dark != nullptr)
     add_rms("frame_noise", "e-", variance_component(dark->sums.squares, kT), gain_, dark->name);
 }
@@ -403,7 +403,7 @@ void Analysis::add_patterns() {
   const bool hidden = dark != nullptr && is_hidden_by_rounding(*dark);
   if (dark == nullptr || hidden)
     for (const char* const name : {"dsnu", "fixed_row", "fixed_column"})
-      not_determined(name, "e-", hidden ? kHidden : no_dark);
+      not_determined(name, "e-", hidden ? hidden_why() : no_dark);
   if (dark == nullptr || bright == nullptr)
     for (const char* const name : {"prnu", "prnu_row", "prnu_column"})
       not_determined(name, "", dark == nullptr ? no_dark : "no level has light");
@@ -478,7 +478,7 @@ void Analysis::add_patterns() {
   const Pattern grown = pattern_of(plane_squares(pattern_difference(*longest, *dark).view()),
                                    {{longest->sums.squares, rounding_of(*longest)}, dark_stack});
   if (hidden || is_hidden_by_rounding(*longest))
-    not_determined("dcnu", "", kHidden);
+    not_determined("dcnu", "", hidden_why());
   else if (rate->value > kSure_sd * rate->sd)
     add_rms("dcnu", "", grown.pixel, {charge, charge * rate->sd / rate->value}, longest->name + " less " + dark->name,
             grown.pixel_sd_array);

@@ -34,6 +34,7 @@ struct StackSummary {
   radiometry::MeanSquares squares;
   std::array<Covariance, kLags.size()> covariance{};
   double variance_sd = 0.0, share_low = 0.0, share_high = 0.0, von_neumann = 2.0;
+  FrameDrift drift{};
   Estimate frame_correlation{};  ///< of a pixel's noise in successive frames; sd of independent ones, 0: not known
   std::int64_t noisy = 0,
                looked_at = 0;  ///< pixels whose variance the noise of the others hardly makes, and of how many
@@ -115,8 +116,8 @@ struct Characterization {
 /// frames tell. Neighbours that share noise raise the component of
 /// their line, which is undone.
 std::array<Estimate, kLags.size()> pixel_covariance(const StackSummary& stack);
-/// Why a stack that is not usable is left out, and whether rounding hides the noise of one: it is below 0.6 counts, and
-/// the pixels are within half a count of each other.
+/// Why a stack that is not usable is left out, and whether rounding hides the noise of one: kHidden_counts of
+/// rounding.h, and the pixels are within half a count of each other.
 std::string clipped_words(const Stack& stack);
 bool is_hidden_by_rounding(const Stack& stack);
 /// Temporal variance that a pixel has in common with others of its row, column or frame.
@@ -133,8 +134,11 @@ void warn_of_neighbours(const Stack& dark, std::vector<std::string>& warnings);
 void add_noise_in_time(const std::vector<Stack>& by_light, std::vector<Finding>& findings,
                        std::vector<std::string>& warnings);
 double number_of_values(const Stack& stack);
-/// Throws UsageError for no stacks, stacks of other sizes, means that fall while the light rises, and drifts.
-void require_sound(const std::vector<Stack>& by_light);
+/// Throws UsageError for no stacks, stacks of other sizes, means that fall while the light rises, and drifts: of all
+/// stacks together by von Neumann's ratio; of one alone where a line through its frames' means rises or falls by more
+/// than a thousandth of the signal, more than three times the repeatability, and more than chance makes of any stack in
+/// 10^4 sets (Student's t).
+void require_sound(const std::vector<Stack>& by_light, double light_repeatability = 0.0);
 
 /// Throws UsageError, naming stack and remedy, for stacks of other sizes, without a level that is not clipped, whose
 /// means do not follow the light, whose light drifts, and as fit_photon_transfer().

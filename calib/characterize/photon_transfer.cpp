@@ -147,16 +147,11 @@ void require_levels(const std::vector<TransferLevel>& levels, const TransferOpti
     lights.insert(level.light);
     variances += level.variance_counts ? 1 : 0;
   }
-  const int needed = 3 + options.nonlinearity;
-  if (std::ssize(lights) >= needed && variances < 2)
-    throw mtf::UsageError("rounding hides the noise of all levels but " + std::to_string(variances) +
-                          ": below 0.6 counts, where all pixels have one offset; raise the gain of the camera");
-  if (std::ssize(lights) < needed)
-    throw mtf::UsageError(
-        "the photon transfer has " + std::to_string(lights.size()) + " usable levels of light; " +
-        std::to_string(needed) + " are needed" +
-        (options.nonlinearity > 0 ? " with nonlinearity = " + std::to_string(options.nonlinearity) : "") +
-        ": give stacks at more exposures");
+  const std::string few = too_few_levels(lights.size(), options.nonlinearity);
+  if (few.empty() && variances < 2)
+    throw mtf::UsageError("rounding hides the noise of all levels but " + std::to_string(variances) + ": " +
+                          hidden_words() + "; raise the gain of the camera");
+  if (!few.empty()) throw mtf::UsageError(few);
 }
 
 Eigen::VectorXd start_of(const std::vector<TransferLevel>& levels, const TransferOptions& options, int unknowns) {
@@ -198,6 +193,14 @@ PhotonTransfer::Level level_of(const Model& m) {
 }
 
 }  // namespace
+
+std::string too_few_levels(std::size_t levels, int nonlinearity) {
+  const std::size_t needed = 3 + static_cast<std::size_t>(nonlinearity);
+  if (levels >= needed) return "";
+  return "the photon transfer has " + std::to_string(levels) + " usable levels of light; " + std::to_string(needed) +
+         " are needed" + (nonlinearity > 0 ? " with nonlinearity = " + std::to_string(nonlinearity) : "") +
+         ": give stacks at more exposures";
+}
 
 PhotonTransfer fit_photon_transfer(const std::vector<TransferLevel>& levels, const TransferOptions& options) {
   require_levels(levels, options);

@@ -71,6 +71,9 @@ struct PhotonTransfer {
   bool converged = false;
 };
 
+/// Why so many levels of light do not tell the unknowns of the fit; "" where they do.
+std::string too_few_levels(std::size_t levels, int nonlinearity);
+
 /// Throws UsageError where there are fewer levels than the unknowns need, where light or means do not rise, and where
 /// the variance does not rise with the mean, as after a camera's own processing.
 PhotonTransfer fit_photon_transfer(const std::vector<TransferLevel>& levels, const TransferOptions& options);

@@ -5,9 +5,15 @@
 #include <cmath>
 #include <numbers>
 
+#include "mtf/words.h"
+
 namespace calib {
 
 using std::numbers::pi;
+
+std::string hidden_words() {
+  return "noise below " + mtf::significant(kHidden_counts, 2) + " counts, and pixels within half a count of each other";
+}
 
 RoundedVariance rounded_variance(double s2) {
   constexpr double kFew = 0.08;  // both sums have six terms or fewer on their side

@@ -7,6 +7,7 @@
 
 #include "calib/characterize/characterize.h"
 #include "calib/characterize/rounding.h"
+#include "calib/fit/confidence/adequacy.h"
 #include "mtf/error.h"
 #include "mtf/words.h"
 
@@ -16,10 +17,6 @@ namespace {
 using mtf::significant;
 using radiometry::kT, radiometry::kV, radiometry::kH, radiometry::kTv, radiometry::kTh, radiometry::kVh,
     radiometry::kTvh;
-
-/// Noise below it is told by the offset where all pixels have one: its variance is off by up to (4 s^2 + 1/pi^2)
-/// exp(-2 pi^2 s^2), 0.1 % at 0.6 counts, 6 % at 0.45 (Widrow and Kollar, ch. 4).
-constexpr double kHidden_counts = 0.6;
 
 double square(double x) { return x * x; }
 
@@ -59,6 +56,7 @@ StackSummary summary_of(const StackStatistics& stack) {
   s.share_low = stack.share_low();
   s.share_high = stack.share_high();
   s.von_neumann = stack.von_neumann();
+  s.drift = stack.drift();
   s.step = stack.step();
   s.pattern = mtf::Image(stack.width(), stack.height());
   for (std::int64_t i = 0; i < s.pattern.size(); ++i)
@@ -124,7 +122,7 @@ std::array<Estimate, kLags.size()> pixel_covariance(const StackSummary& stack) {
   return result;
 }
 
-void require_sound(const std::vector<Stack>& stacks) {
+void require_sound(const std::vector<Stack>& stacks, double light_repeatability) {
   if (stacks.empty()) throw mtf::UsageError("no stacks; give flat frames at several exposures");
   const radiometry::MeanSquares& first = stacks.front().sums.squares;
   double ratio = 0.0, spread = 0.0;
@@ -158,6 +156,18 @@ void require_sound(const std::vector<Stack>& stacks) {
         "the light drifts within the stacks: von Neumann's ratio of the frames' means is " +
         significant(ratio / counted, 3) +
         ", 2 for a steady one; let lamp or blackbody, and camera, warm up, or take the exposures in turn");
+  for (const Stack& stack : stacks) {
+    const double signal = stack.sums.mean - stacks.front().sums.mean, T = static_cast<double>(stack.sums.frames);
+    const FrameDrift& drift = stack.sums.drift;
+    const double share = drift.value / signal, most = std::max(1e-3, 3.0 * light_repeatability);
+    if (!(stack.light > 0.0 && stack.is_usable() && signal > 0.0 && std::abs(share) * (T - 1.0) > most)) continue;
+    const double p = drift.sd > 0.0 ? f_tail(square(drift.value / drift.sd), 1.0, T - 2.0) : 0.0;
+    if (p * counted < 1e-4)
+      throw mtf::UsageError(stack.name + ": the light drifts, by " + significant(100.0 * share, 2) +
+                            " % of the signal from frame to frame (p = " + significant(p, 2) +
+                            "), so that its exposure is not the one that is stated; let lamp or blackbody, and camera, "
+                            "warm up, and take this stack again or leave it out");
+  }
 }
 
 }  // namespace calib

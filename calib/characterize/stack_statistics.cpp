@@ -209,6 +209,7 @@ void StackStatistics::take(std::span<const Part> frame) {
   if (frames_ > 0) step_squares_ += (static_cast<long double>(sum) - last_) * (static_cast<long double>(sum) - last_);
   last_ = sum;
   total_ += total;
+  moment_ += total * static_cast<long double>(frames_);
   ++frames_;
 }
 
@@ -312,6 +313,16 @@ double StackStatistics::von_neumann() const {
   const long double about_mean = frame_squares_ - total_ * total_ / T;
   return frames_ < 3 || !(about_mean > 0.0L) ? 2.0
                                              : static_cast<double>((step_squares_ / (T - 1.0L)) / (about_mean / T));
+}
+
+FrameDrift StackStatistics::drift() const {
+  if (frames_ < 4) return {};
+  const auto T = static_cast<long double>(frames_), size = static_cast<long double>(pixels());
+  const long double spread = T * (T * T - 1.0L) / 12.0L;  // of the frames' numbers about their mean
+  const long double slope = (moment_ - 0.5L * (T - 1.0L) * total_) / spread;
+  const long double rest = frame_squares_ - total_ * total_ / T - slope * slope * spread;
+  return {static_cast<double>(slope / size),
+          static_cast<double>(std::sqrt(std::max(0.0L, rest) / ((T - 2.0L) * spread)) / size)};
 }
 
 }  // namespace calib

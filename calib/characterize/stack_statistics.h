@@ -53,6 +53,11 @@ struct PixelNoise {
   double frame_correlation = 0.0;
 };
 
+/// Counts a frame.
+struct FrameDrift {
+  double value = 0.0, sd = 0.0;
+};
+
 class StackStatistics {
  public:
   /// Throws UsageError for fewer than two rows or columns.
@@ -89,6 +94,9 @@ class StackStatistics {
   /// Von Neumann's ratio of the means of frames: the mean square of the difference of successive ones over their
   /// variance, 2 for independent ones, towards 0 for a drift (J. von Neumann, Ann. Math. Stat. 12, 367 (1941)).
   double von_neumann() const;
+  /// The slope of a straight line through the means of frames over their numbers, a frame, and its standard deviation
+  /// from what lies about the line; 0 and 0 for fewer than four frames.
+  FrameDrift drift() const;
 
  private:
   struct Part;
@@ -106,6 +114,7 @@ class StackStatistics {
   std::array<long double, kLags.size()> products_{};
   long double total_ = 0.0L, all_squares_ = 0.0L, frame_squares_ = 0.0L, row_squares_ = 0.0L, column_squares_ = 0.0L;
   long double step_squares_ = 0.0L;  ///< of the differences of successive frames' sums
+  long double moment_ = 0.0L;        ///< of the frames' sums, each times the number of frames before it
   long double pixel_steps_ = 0.0L;   ///< of those of pixels
   double last_ = 0.0;                ///< sum of the latest frame
   std::uint32_t bits_ = 0;           ///< that occur in any value

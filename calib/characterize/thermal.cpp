@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "calib/characterize/rounding.h"
 #include "calib/fit/confidence/adequacy.h"
 #include "calib/fit/fit_report.h"
 #include "mtf/error.h"
@@ -106,18 +107,13 @@ std::vector<LinePoint> line_points(const std::vector<Stack>& stacks, std::vector
       continue;
     }
     if (is_hidden_by_rounding(one))
-      throw mtf::UsageError(one.name +
-                            ": noise below 0.6 counts, and pixels within half a count of each other: rounding hides "
-                            "the noise; raise the gain of the camera");
+      throw mtf::UsageError(one.name + ": " + hidden_words() +
+                            ": rounding hides the noise; raise the gain of the camera");
     points.push_back({&one});
   }
   const std::string left = warnings.empty() ? "" : " (" + warnings.front() + ")";
-  if (points.size() < 2)
-    throw mtf::UsageError("blackbodies: " + mtf::plural(static_cast<std::int64_t>(points.size()), "usable stack") +
-                          left + "; SiTF takes two temperatures or more");
-  if (!(points.back().stack->light > points.front().stack->light))
-    throw mtf::UsageError("blackbodies: all usable stacks have one radiance" + left +
-                          "; SiTF takes two temperatures or more");
+  const bool differ = !points.empty() && points.back().stack->light > points.front().stack->light;
+  if (const std::string few = too_few_radiances(points.size(), differ); !few.empty()) throw mtf::UsageError(few + left);
   return points;
 }
 
@@ -231,6 +227,14 @@ void judge(const MeanLine& line, double misfit_p, Characterization& result) {
 }
 
 }  // namespace
+
+std::string too_few_radiances(std::size_t stacks, bool differ) {
+  if (differ) return "";
+  return "blackbodies: " +
+         (stacks < 2 ? mtf::plural(static_cast<std::int64_t>(stacks), "usable stack")
+                     : "all usable stacks have one radiance") +
+         "; SiTF takes two temperatures or more";
+}
 
 Characterization characterize_thermal(std::vector<Stack> stacks, const ThermalOptions& options) {
   std::stable_sort(stacks.begin(), stacks.end(), [](const Stack& a, const Stack& b) { return a.light < b.light; });

@@ -34,6 +34,9 @@ struct ThermalOptions {
   double misfit_p = 1e-3;         ///< below, the counts are no line over the radiance
 };
 
+/// Why so many stacks, whose radiances differ or not, do not tell SiTF; "" where they do.
+std::string too_few_radiances(std::size_t stacks, bool differ);
+
 /// `light` of a stack is the radiance of its blackbody in the band, with what that reflects. Findings: sitf (counts/K);
 /// offset, the count without any light; netd and the seven components of 3-D noise, noise_t to noise_tvh (mK), of the
 /// stack whose radiance is nearest to the reference; prnu of pixels, from the hottest less the coldest stack; dsnu

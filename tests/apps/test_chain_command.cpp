@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -330,6 +331,22 @@ TEST_F(ChainCommand, BadInputSaysWhereAndWhat) {
   expect_refused("mtf simulate s.toml t300.exr -o out.exr", {"depth_channel", "Z"});
   sensor("", "\n[detector]", "\n[adc]\nbits = 8\n[detectors]");
   expect_refused("mtf config check s.toml", {"detectors"});
+}
+
+// Frames of one image have the noise of their numbers, as the frames of a sequence have.
+TEST_F(ChainCommand, SeveralFramesOfOneImage) {
+  sensor("[noise]\nseed = 3\n");
+  ASSERT_EQ(scratch.run("mtf simulate s.toml t300.exr -o n.%d.exr --frames 3").status, 0);
+  ASSERT_EQ(scratch.run("mtf simulate s.toml t300.exr -o alone.exr").status, 0);
+  ASSERT_EQ(scratch.run("mtf simulate s.toml t300.exr -o alone.%d.exr --frames 2:2").status, 0);
+  const auto same = [&](const char* a, const char* b) {
+    const Image one = read(scratch / a), other = read(scratch / b);
+    return std::equal(one.data(), one.data() + one.size(), other.data());
+  };
+  EXPECT_TRUE(same("n.0.exr", "alone.exr"));
+  EXPECT_TRUE(same("n.2.exr", "alone.2.exr"));
+  EXPECT_FALSE(same("n.1.exr", "n.2.exr"));
+  EXPECT_FALSE(fs::exists(scratch / "n.3.exr"));
 }
 
 }  // namespace

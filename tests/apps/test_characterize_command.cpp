@@ -138,8 +138,8 @@ TEST_F(CharacterizeCommand, ClosesTheLoop) {
   EXPECT_TRUE(first.at("transmission").at("value").is_null());
 
   const std::string sensor = read_file(scratch / "camera/sensor.toml");
-  expect_says(sensor,
-              {"its author's words", "stderr = ", "not measured: ", "optics.transmission", "interval = [\"0 e-\", "});
+  expect_says(sensor, {"its author's words", "stderr = ", "kept from the nominal: optics.f_number",
+                       "left out: detector.dark_current", "optics.transmission", "interval = [\"0 e-\", "});
   EXPECT_EQ(Json::parse(read_file(scratch / "camera/result.json")), Json::parse(found.out));
   EXPECT_EQ(lines(read_file(scratch / "camera/levels.csv")), kTimes.size() + 1);
   EXPECT_EQ(scratch.run("mtf config check camera/sensor.toml").status, 0);
@@ -284,14 +284,72 @@ TEST_F(CharacterizeCommand, MapsMakeTheTwinThisArray) {
   }
 }
 
-/// A cube of Poisson counts about a mean, as numpy.save writes it.
-void write_cube(const fs::path& path, double mean, int frames, unsigned seed, unsigned factor = 1) {
+// Edges after the frames: blur and crosstalk are those of the sensor that drew both, weighted by the noise that the
+// frames have, which the edges show as well; edges that fail leave what the frames have told.
+TEST_F(CharacterizeCommand, EdgesAreFittedByWhatTheFramesTell) {
+  simulate(kSensor, "truth", 17, "nominal = \"nominal.toml\"\n[options]\nnonlinearity = 1\n");
+  const std::string optics =
+      replaced(kSensor, "sample = \"15 um\"", "sample = \"3.75 um\"\naperture = \"box\"") +
+      "[[presample]]\nkind = \"footprint\"\nwidth = \"15 um\"\n[[presample]]\nkind = \"jitter\"\nrms = ";
+  write_file(scratch / "optics.toml", optics + "\"6 um\"\n");
+  write_file(scratch / "nominal.toml", optics + "{ value = \"4 um\", fit = true, min = \"0 um\", max = \"20 um\" }\n");
+  for (const bool across : {false, true}) {
+    mtf::Image scene(4 * kSide, 4 * kSide);
+    for (std::int64_t y = 0; y < scene.height(); ++y)
+      for (std::int64_t x = 0; x < scene.width(); ++x) {
+        const auto u = static_cast<double>(across ? y : x) - 2.0 * kSide,
+                   v = static_cast<double>(across ? x : y) - 2.0 * kSide;
+        const double distance = u * std::cos(0.09) + v * std::sin(0.09);
+        scene.at(x, y) = static_cast<float>(2e17 + 6e17 * std::clamp(distance + 0.5, 0.0, 1.0));
+      }
+    mtf::io::write_exr((scratch / "scene.exr").string(), {{"Y", scene.view()}}, {});
+    const Result run =
+        scratch.run(std::string("mtf simulate optics.toml scene.exr -o ") + (across ? "b.png" : "a.png"));
+    ASSERT_EQ(run.status, 0) << run.err;
+  }
+  const std::string command = "mtf characterize truth_stacks.toml -o camera --force ";
+  const Result found = scratch.run(command + "--edges a.png --edges b.png");
+  ASSERT_EQ(found.status, 0) << found.err << found.out;
+  expect_says(found.err, {"written to camera: sensor.toml, ", "mtf simulate camera/sensor.toml"});
+  expect_says(found.out, {"electrons_per_count", "jitter.rms", "shared", "weights the edges"});
+  const Json report = Json::parse(read_file(scratch / "camera/result.json")), edges = report.at("edges");
+  EXPECT_EQ(edges.at("status"), "converged");
+  EXPECT_EQ(edges.at("provenance").at("data").size(), 2U);
+  EXPECT_EQ(report.at("provenance").at("nominal"), "nominal.toml");
+  const auto near = [](const Json& number, const char* sd, double truth) {
+    EXPECT_NEAR(number.at("value").get<double>(), truth, 4.0 * number.at(sd).get<double>()) << number;
+    EXPECT_LT(number.at(sd).get<double>(), 0.2 * truth) << number;
+  };
+  near(edges.at("parameters")[0], "stderr", 6.0);
+  near(edges.at("parameters")[1], "stderr", 0.015);
+  std::map<std::string, Json> shared;
+  for (const Json& one : edges.at("shared")) shared[one.at("name").get<std::string>()] = one;
+  const Json& noise = shared.at("noise half way up");
+  EXPECT_NEAR(noise.at("edges").at("value").get<double>() / noise.at("frames").at("value").get<double>(), 1.0, 0.06);
+  near(shared.at("crosstalk_side").at("frames"), "sd", 0.015);
+  const std::string sensor = read_file(scratch / "camera/sensor.toml");
+  expect_says(sensor, {"its author's words", "fit = true", "prnu = { value", "kept from the nominal", "nominal.toml"});
+  expect_says(read_file(scratch / "camera/report.html"), {"noise half way up", "--edges a.png"});
+  EXPECT_EQ(scratch.run("mtf config check camera/sensor.toml").status, 0);
+
+  expect_error(scratch.run(command + "--edges scene.exr"), 2,
+               {"scene.exr", "a count of", "numbers of the frames are whole"});
+  const Json frames_alone = Json::parse(read_file(scratch / "camera/result.json"));
+  EXPECT_FALSE(frames_alone.contains("edges"));
+  EXPECT_EQ(frames_alone.at("numbers"), report.at("numbers"));
+  write_file(scratch / "nominal.toml", optics + "\"6 um\"\n");
+  expect_error(scratch.run(command + "--edges a.png"), 2, {"nothing to fit", "fit = true"});
+}
+
+/// A cube of Poisson counts about a mean, which grows by `drift` a frame, as numpy.save writes it.
+void write_cube(const fs::path& path, double mean, int frames, unsigned seed, unsigned factor = 1, double drift = 0.0) {
   std::mt19937 engine(seed);
   std::string head = "{'descr': '>u2', 'fortran_order': False, 'shape': (" + std::to_string(frames) + ", 24, 32), }";
   head.resize(117, ' ');
   std::string text = std::string("\x93NUMPY\x01\0", 8) + char(118) + '\0' + head + '\n';
   for (int i = 0; i < frames * 24 * 32; ++i) {
-    const unsigned value = factor * static_cast<unsigned>(std::poisson_distribution<int>(mean)(engine));
+    std::poisson_distribution<int> counts(mean * (1.0 + drift * (i / (24 * 32))));
+    const unsigned value = factor * static_cast<unsigned>(counts(engine));
     text += static_cast<char>(value >> 8);
     text += static_cast<char>(value & 255U);
   }
@@ -325,6 +383,12 @@ TEST(CharacterizeRefusals, BadDescriptorsAndFrames) {
   fs::copy_file(scratch / "c1.npy", scratch / "copy.npy");
   expect_error(run(camera + dark + rest + stack("copy.npy", "relative = 3")), 2,
                {"copy.npy", "same frame as", "c1.npy"});
+  // One level of several, which von Neumann's ratio of all does not show: without a name it is a misfit.
+  write_cube(scratch / "drift.npy", 1000.0, 12, 9, 1, 0.01);
+  const std::string drifting =
+      camera + dark + rest + stack("c3.npy", "relative = 3") + stack("drift.npy", "relative = 4");
+  expect_error(run(drifting), 2, {"drift.npy", "drifts, by 1", "p = ", "warm up", "leave it out"});
+  EXPECT_EQ(run("[light]\nrepeatability = 0.05\n" + drifting).status, 0);
   write_cube(scratch / "one.npy", 900.0, 1, 9);
   expect_error(run(camera + dark + rest + stack("one.npy", "relative = 3")), 2, {"one.npy", "two frames"});
   write_cube(scratch / "shifted.npy", 900.0, 4, 9, 16);
@@ -440,14 +504,28 @@ TEST(CharacterizeCheck, SaysWhatTheStacksCanDetermine) {
   for (const Json& one : json.at("numbers"))
     EXPECT_EQ(one.at("possible").get<bool>(), one.at("name") != "dark current") << one.dump();
   const Result fewer = check(text + "[options]\nnonlinearity = 1\n");
-  expect_says(fewer.out, {"3 levels of light", "4 are needed", "more exposures"});
-  expect_error(check(replaced(text, "bits = 12", "bits = 12\nstep = 32")), 2, {"12 bits", "uint16", "correct bits"});
+  expect_says(fewer.out, {"3 usable levels of light", "4 are needed", "more exposures"});
+  EXPECT_EQ(fewer.status, 2);
+  // What a check refuses a run refuses, in the same words.
+  const auto refused_by_both = [&](const std::string& stacks, std::initializer_list<std::string_view> words) {
+    const Result checked = check(stacks), ran = scratch.run("mtf characterize stacks.toml");
+    expect_error(checked, 2, words);
+    EXPECT_EQ(ran.status, 2);
+    EXPECT_EQ(ran.err, checked.err);
+  };
+  refused_by_both(text + "[options]\nnonlinearity = 1\n", {"3 usable levels", "nonlinearity = 1"});
+  refused_by_both(replaced(text, "bits = 12", "bits = 12\nstep = 32"), {"12 bits", "uint16", "correct bits"});
   mtf::Image small(8, 8);
   std::fill_n(small.data(), small.size(), 3.0F);
   mtf::io::write_integer((scratch / "small.tif").string(), {{"Y", small.view()}}, {1.0, 0.0, 16}, {});
-  expect_error(check(replaced(text, "c2.npy", "small.tif")), 2, {"small.tif", "8 x 8", "32 x 24"});
+  refused_by_both(replaced(text, "c2.npy", "small.tif"), {"small.tif", "8 x 8", "32 x 24"});
+  const std::string raw = "c2.raw\"\nraw = { width = 32, height = 24, type = \"uint8\" }";
+  write_file(scratch / "c2.raw", std::string(4 * 32 * 24, 'x'));
+  refused_by_both(replaced(text, "c2.npy\"", raw), {"c2.raw", "of uint8", "of uint16"});
+  refused_by_both("[camera]\nbits = 12\n[[stack]]\nlight = false\nframes = \"" + raw + "\n",
+                  {"12 bits", "uint8", "correct bits"});
   write_cube(scratch / "c1.npy", 100.0, 1, 9);
-  expect_error(check(text), 2, {"c1.npy", "single frame"});
+  refused_by_both(text, {"c1.npy", "single frame"});
   expect_error(scratch.run("mtf characterize check none.toml"), 1, {"none.toml"});
   expect_error(scratch.run("mtf characterize"), 2, {"file that describes the stacks"});
 }

@@ -13,12 +13,14 @@ import numpy as np
 
 from mtfkit import _core, quantities, results
 from mtfkit.arguments import checked
+from mtfkit.edges import image_argument
 from mtfkit.errors import UsageError
 from mtfkit.progress import Progress, function_of
 
 if TYPE_CHECKING:
     import numpy.typing as npt
 
+    from mtfkit.edges import ImageLike
     from mtfkit.sensors import Sensor
 
 
@@ -108,8 +110,8 @@ class Camera(results.ByValue):
 
     @property
     def adequate(self) -> bool:
-        """True when the model describes the frames; of EMVA 1288's own formulas, which test none, always."""
-        return self.report.get("status", "ok") == "ok"
+        """True when the models describe the frames, and the edges; of EMVA 1288's own formulas, which test none, always."""
+        return self.report.get("status", "ok") == "ok" and self.report.get("edges", {}).get("status", "converged") == "converged"
 
     @property
     def reason(self) -> str:
@@ -165,14 +167,16 @@ def _frames(stack: Stack, what: str) -> list[Any]:
 
 @checked
 def characterize(stacks: str | os.PathLike[str] | Sequence[Stack], *, nominal: Sensor | None = None,
-                 bits: int | None = None, nonlinearity: int = 0, trend: int = 2, repeatability: float = 0.0,
-                 method: str = "fit", threads: int = 0, progress: Progress = None) -> Camera:
+                 edges: Sequence[ImageLike] = (), bits: int | None = None, nonlinearity: int = 0, trend: int = 2,
+                 repeatability: float = 0.0, method: str = "fit", threads: int = 0, progress: Progress = None) -> Camera:
     """A camera's numbers from stacks of its flat frames, as `mtf characterize`.
 
     `stacks` is the file that describes them, which then states all else, or a list of Stack. `nominal` is a sensor for what
-    frames do not tell; `bits` those of the converter, else the nominal's. `nonlinearity` is the number of terms of the
-    response (0 to 3), `trend` the degree of the shading that is no part of PRNU, `repeatability` the relative standard
-    deviation of the light from stack to stack. `method="emva1288"` gives the numbers of EMVA 1288 by its own formulas, each
+    frames do not tell. `edges` are raw images of edges (files or arrays), of the camera and settings of the frames: what the
+    nominal marks to be fitted is fitted to them then, by the noise, response and crosstalk of the frames, and `report["edges"]`
+    is what `fit` reports, with what both share. `bits` are those of the converter, else the nominal's. `nonlinearity` is the
+    number of terms of the response (0 to 3), `trend` the degree of the shading that is no part of PRNU, `repeatability` the
+    relative standard deviation of the light from stack to stack. `method="emva1288"` gives the numbers of EMVA 1288 by its own formulas, each
     with its bias for this camera.
 
     Frames that the model does not describe give a result with `adequate` False. Raises UsageError for stacks that cannot be
@@ -180,6 +184,11 @@ def characterize(stacks: str | os.PathLike[str] | Sequence[Stack], *, nominal: S
     """
     if method not in ("fit", "emva1288"):
         raise UsageError(f'method: {quantities.shown(method)} is not known; "fit" or "emva1288"')
+    if not isinstance(edges, (list, tuple)):
+        raise UsageError(f"edges: {quantities.shown(edges)} is no list of images; write [image]")
+    if edges and method != "fit":
+        raise UsageError("edges: the standard knows none; leave method out")
+    images = [image_argument(image, f"edges[{number}]") for number, image in enumerate(edges)]
     handle = nominal._file if nominal is not None else None
     if isinstance(stacks, (str, os.PathLike)):
         path, text, frames = os.fspath(stacks), "", []
@@ -194,6 +203,6 @@ def characterize(stacks: str | os.PathLike[str] | Sequence[Stack], *, nominal: S
         options = f"[options]\nnonlinearity = {quantities.count(nonlinearity, 'nonlinearity', 0)}\n" if nonlinearity else "[options]\n"
         text = head + options + f"trend = {quantities.count(trend, 'trend', 0)}\n" + "".join(
             stack._entry(name) for name, stack in zip(names, stacks))
-    run = _core.characterize(path, text, frames, handle, method == "emva1288", quantities.thread_count(threads),
-                             function_of(progress, "reading"))
+    run = _core.characterize(path, text, frames, handle, images, method == "emva1288",
+                             quantities.thread_count(threads), function_of(progress, "reading"))
     return Camera(run.report, run.table, run.sensor_text)

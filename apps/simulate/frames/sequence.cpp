@@ -359,10 +359,10 @@ std::optional<FrameNames> output_names_of(const SimulateOptions& options, bool n
     throw mtf::UsageError(which +
                           ": a sequence needs a frame number in the name of its output; write for example -o "
                           "out.%04d.exr");
-  if (!numbered && options.schedule.empty())
+  if (!numbered && options.schedule.empty() && !options.frames)
     throw mtf::UsageError(which +
                           ": holds a frame number, but the scene is one image; name numbered scenes "
-                          "(frame.%04d.exr), or give a --schedule");
+                          "(frame.%04d.exr), or give --frames N or a --schedule");
   return out;
 }
 
