@@ -4,6 +4,7 @@
 
 #include "apps/command_line.h"
 #include "apps/commands.h"
+#include "apps/import/config_import.h"
 #include "apps/kinds.h"
 #include "mtf/error.h"
 #include "radiometry/chain/sensor_settings.h"
@@ -14,6 +15,33 @@ namespace {
 constexpr auto kLayouts = enumerated<ConfigOptions::Layout>("table", "markdown", "json");
 using FileKind = ConfigOptions::FileKind;
 constexpr auto kFiles = enumerated<FileKind>("sensor", "study", "scene");
+
+Command config_import_command() {
+  Command app{
+      "import", "what lens programs export, as part of a sensor file",
+      "Reads text as OpticStudio and CODE V save it: Zernike Standard and Fringe coefficients, FFT and Huygens PSF,\n"
+      "MTF against frequency; and tables of coefficients with the columns x (deg), y (deg), wavelength (um),\n"
+      "Z4 (waves), ... One field becomes a [[presample]] block to put into a sensor file in place of diffraction;\n"
+      "coefficients of several, in one file or several, a table over the field that such a block names. How a file\n"
+      "was understood is said, and stands in the result as comments.",
+      "  mtf config import lens.txt -o lens.toml\n"
+      "  mtf config import axis.txt corner.txt -o zernike.csv"};
+  auto& options = options_of<ImportOptions>(app, run_config_import);
+  add_text(app, "file", "FILE", "what the lens program exported; several files are several fields", options.files)
+      .required = true;
+  add_text(app, "-o,--out", "FILE", "file to write; default: standard output", options.out);
+  add_flag(app, "--force", "replace an existing file", options.force);
+  add_choice(app, "--as", "KIND", "what the files have to be: zernike, psf or mtf; default: what they are",
+             as_they_are("zernike", "psf", "mtf"), options.kind);
+  add_value(app, "--field", "N", "of several fields the one that is wanted, from 1", options.field, whole(1, 10'000));
+  add_choice(app, "--order", "ORDER", "of the terms of a table: noll (unit rms) or fringe (unit peak)",
+             as_they_are("noll", "fringe"), options.reading.order);
+  add_choice(app, "--y", "DIRECTION", "in which +y of the file points in the image: up (default) or down",
+             Choices<bool, 2>{{{"up", true}, {"down", false}}}, options.reading.y_up);
+  add_choice(app, "--sign", "SIGN", "of the wavefront: plus (default, as OpticStudio has it) or minus",
+             Choices<double, 2>{{{"plus", 1.0}, {"minus", -1.0}}}, options.reading.sign);
+  return app;
+}
 
 }  // namespace
 
@@ -197,7 +225,7 @@ Command config_command() {
   add_choice(schema, "file", "FILE", "sensor, study or scene", kFiles, options.kind).required = true;
   add_text(schema, "-o,--out", "FILE", "file to write; default: standard output", options.file);
   schema.run = action(ConfigOptions::Action::schema);
-  app.commands = {init, check, explain, kinds, schema};
+  app.commands = {init, check, explain, kinds, schema, config_import_command()};
   return app;
 }
 

@@ -2,9 +2,8 @@
 
 // `mtf config init | check | explain`, and how every subcommand reads its sensor file.
 
-#include <sys/stat.h>
-
 #include "apps/config_command.h"
+#include "apps/import/config_import.h"
 #include "apps/kinds.h"
 #include "apps/modules/modules.h"
 #include "apps/schema/schemas.h"
@@ -55,13 +54,7 @@ std::string next_step(FileKind kind, const std::string& file) {
 }
 
 int init(const ConfigOptions& options, const Global& global) {
-  const bool to_stdout = options.file.empty() || options.file == "-";
-  struct stat status {};
-  // Such a file is edited by hand: losing one is worse than losing an output.
-  if (!to_stdout && !options.force && ::stat(options.file.c_str(), &status) == 0 && S_ISREG(status.st_mode))
-    throw mtf::UsageError(options.file + ": exists already; --force replaces it, -o NAME writes another file");
-  emit(options.file, starter_text(options.kind));
-  if (!to_stdout)
+  if (emit_for_editing(options.file, starter_text(options.kind), options.force))
     note(global, "wrote " + one_line(options.file) + "; " + next_step(options.kind, shell_word(options.file)));
   return 0;
 }

@@ -62,7 +62,7 @@ FLOORS = {
     "mtf": ["", "math", "work", "engines", "device", "components", "otf", "metrics", "field", "plan", "survey", "tiles", "io"],
     "radiometry": ["", "light", "stages", "atmosphere", "performance", "chain", "scene", "weather", "heat", "thermal", "render"],
     "calib": ["", "edge", "find", "measure", "iso12233", "fit", "series", "characterize"],
-    "apps": ["text", "sensor", "simulate", "", "check", "study", "terminal", "help", "figures", "page", "edges", "characterize", "bench", "range", "sweep",
+    "apps": ["text", "sensor", "simulate", "", "check", "study", "terminal", "import", "help", "figures", "page", "edges", "characterize", "bench", "range", "sweep",
              "scene", "schema", "modules", "demo", "report", "live", "image", "atmosphere", "python"],
 }
 

@@ -64,6 +64,15 @@ void add_sweep(const Scratch& scratch) {
   ASSERT_EQ(made.status, 0) << made.err;
 }
 
+/// What a lens program exports of two fields, and of one.
+void add_listings(const Scratch& scratch) {
+  for (const char* name : {"lens", "axis", "corner"})
+    write_file(scratch / (std::string(name) + ".txt"),
+               std::string("Listing of Zernike Standard Coefficient Data\nField : ") +
+                   (name == std::string("axis") ? "0" : "7") +
+                   ".0 (deg)\nWavelength : 4.0 um\nZ 1 0 : 1\nZ 2 0 : p\nZ 3 0 : p\nZ 4 0.1 : p^2\n");
+}
+
 class HelpOf : public testing::TestWithParam<const char*> {};
 
 TEST_P(HelpOf, EndsWithTwoExamplesThatRun) {
@@ -71,6 +80,7 @@ TEST_P(HelpOf, EndsWithTwoExamplesThatRun) {
   scratch.add_sensor();
   add_scene(scratch);
   if (GetParam() == std::string("measure") || GetParam() == std::string("fit")) add_edge(scratch);
+  if (GetParam() == std::string("config import")) add_listings(scratch);
   if (GetParam() == std::string("budget")) add_camera(scratch);
   if (GetParam() == std::string("range")) add_clear_camera(scratch);
   if (GetParam() == std::string("report")) add_sweep(scratch);
@@ -99,8 +109,8 @@ std::string test_name(const testing::TestParamInfo<const char*>& parameter) {
 
 INSTANTIATE_TEST_SUITE_P(Every, HelpOf,
                          testing::Values("", "demo", "info", "config", "config init", "config check", "config explain",
-                                         "config kinds", "curve", "budget", "simulate", "bench", "check", "devices",
-                                         "report", "help"),
+                                         "config import", "config kinds", "curve", "budget", "simulate", "bench",
+                                         "check", "devices", "report", "help"),
                          test_name);
 #ifdef MTFKIT_HAVE_CALIB
 INSTANTIATE_TEST_SUITE_P(Calib, HelpOf, testing::Values("measure", "fit", "optimize"), test_name);

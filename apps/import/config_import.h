@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "apps/options.h"
+#include "mtf/io/designs/design_text.h"
+
+namespace apps {
+
+/// `mtf config import`.
+struct ImportOptions {
+  std::vector<std::string> files;
+  std::string kind;  ///< "zernike", "psf" or "mtf"; "" = what the files are
+  std::string out;   ///< "" = stdout
+  int field = 0;     ///< the one that is wanted, from 1; 0 = all
+  bool force = false;
+  mtf::io::DesignReading reading;
+};
+
+int run_config_import(const ImportOptions& options, const Global& global);
+
+/// Writes what will be edited by hand: an existing file is kept unless `force`, for losing one is worse than losing an
+/// output. True where it went to a file.
+bool emit_for_editing(const std::string& file, const std::string& text, bool force);
+
+}  // namespace apps

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mtf/io/designs/mtf_listing.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mtf/error.h"
+#include "mtf/units.h"
+#include "mtf/words.h"
+
+namespace mtf::io {
+namespace {
+
+/// CODE V has 0.999 at frequency 0, where every MTF is 1: its values have three digits, cut off.
+constexpr double kThreeDigits = 1.5e-3;
+
+/// Places of a name among the words of a header, counted from its end: names of the first column may be of two words.
+std::vector<std::size_t> columns_called(const std::vector<std::string>& words, std::string_view name,
+                                        std::string_view other) {
+  std::vector<std::size_t> places;
+  for (std::size_t i = 0; i < words.size(); ++i)
+    if (const std::string word = lower_case(words[i]); word == name || word == other)
+      places.push_back(words.size() - i);
+  return places;
+}
+
+struct MtfHeader {
+  std::vector<std::size_t> tangential, sagittal;
+
+  explicit MtfHeader(std::string_view line) {
+    std::string blanks(line);
+    std::ranges::replace(blanks, ',', ' ');
+    const std::vector<std::string> words = design_words(blanks);
+    tangential = columns_called(words, "tangential", "tan");
+    sagittal = columns_called(words, "sagittal", "rad");
+  }
+  bool is() const { return !tangential.empty() && tangential.size() == sagittal.size(); }
+};
+
+/// Of frequencies, as a line says it; "" where it does not.
+std::string frequency_unit(std::string_view line) {
+  const std::string words = lower_case(line);
+  const auto has = [&](std::string_view word) { return words.find(word) != std::string::npos; };
+  if (has("cycles per mrad") || has("cycles per milliradian") || has("cy/mrad")) return "cy/mrad";
+  return has("cycles per mm") || has("cycles/mm") || has("cy/mm") || has("lp/mm") || has("l/mm") ? "cy/mm" : "";
+}
+
+/// Which pair of columns is that of the nominal focus, by the line of focus positions above the header.
+std::size_t nominal_pair(const DesignText& text, std::size_t header, std::size_t pairs, DesignRemarks& remarks) {
+  if (pairs == 1) return 0;
+  std::vector<double> focus;
+  for (const std::string& word : design_words(header > 0 ? text.lines[header - 1] : ""))
+    if (const auto value = design_number(word)) focus.push_back(*value);
+  const auto nominal = std::ranges::find(focus, 0.0);
+  // The pair before those of the focus positions is the diffraction limit.
+  if (focus.empty() || focus.size() >= pairs || nominal == focus.end())
+    throw UsageError(text.where(header) + "no focus position 0 above the columns (found: " +
+                     joined(focus, format_double) + "); compute the MTF at the nominal focus");
+  const auto place = static_cast<std::size_t>(nominal - focus.begin());
+  if (focus.size() > 1)
+    remarks.notes.push_back(text.where(header) + "the nominal focus is taken, position 0 of " +
+                            joined(focus, format_double));
+  return pairs - focus.size() + place;
+}
+
+void check_mtf(const MtfField& field, const std::string& where) {
+  if (field.frequency.size() < 3) throw UsageError(where + "fewer than three rows of an MTF; export it anew");
+  double least = field.frequency[1] - field.frequency[0];
+  for (std::size_t i = 1; i < field.frequency.size(); ++i) {
+    const double step = field.frequency[i] - field.frequency[i - 1];
+    least = std::min(least, step);
+    if (step <= 0.0 || step > 1.5 * least)
+      throw UsageError(where + "frequency " + format_double(field.frequency[i]) + " follows " +
+                       format_double(field.frequency[i - 1]) + ": rows are missing or out of order; export it anew");
+  }
+}
+
+}  // namespace
+
+bool is_mtf_listing(const DesignText& text) {
+  return std::ranges::any_of(text.lines, [](const std::string& line) { return MtfHeader(line).is(); });
+}
+
+MtfListing read_mtf_listing(const DesignText& text, const DesignReading& reading) {
+  MtfListing listing;
+  std::optional<DesignField> place;
+  bool is_limit = false;
+  for (std::size_t i = 0; i < text.lines.size(); ++i) {
+    const std::string& line = text.lines[i];
+    const std::string words = lower_case(trimmed(line));
+    if (const std::string unit = frequency_unit(line); !unit.empty()) listing.unit = unit;
+    if (words.starts_with("field")) {
+      const std::size_t normalised = line.find("MAX");  // CODE V has the place in parts of the field before it
+      place = design_field(normalised == std::string::npos ? line : line.substr(normalised + 3));
+      if (place && reading.y_up) place->y = 0.0 - place->y;
+      is_limit = words.find("diffraction limit") != std::string::npos;
+    }
+    if (words.starts_with("relative illumination"))
+      listing.remarks.notes.push_back(text.where(i) + printable(trimmed(line), 40) +
+                                      ": belongs to [vignetting], not here");
+    const MtfHeader header(line);
+    if (!header.is()) continue;
+    if (listing.unit.empty())
+      throw UsageError(text.where(i) + "the unit of the frequencies is missing; a line says cycles per mm, or L/MM");
+    const std::size_t pair = nominal_pair(text, i, header.tangential.size(), listing.remarks);
+    const std::size_t t = header.tangential[pair], s = header.sagittal[pair];
+    MtfField field{.place = place};
+    std::size_t cells = 0, end = i + 1;
+    for (; end < text.lines.size(); ++end) {
+      std::string row_text = text.lines[end];
+      if (!text.decimal_comma) std::ranges::replace(row_text, ',', ' ');
+      const std::vector<double> row = design_row(row_text, text.where(end));
+      if (row.empty() && field.frequency.empty()) continue;
+      if (row.empty()) break;
+      if (field.frequency.empty()) cells = row.size();
+      if (row.size() != cells || cells <= std::max({t, s, header.tangential.front()}))
+        throw UsageError(text.where(end) + std::to_string(row.size()) +
+                         " numbers, and the columns are more; "
+                         "export the listing anew");
+      field.frequency.push_back(row[0]);
+      field.tangential.push_back(row[cells - t]);
+      field.sagittal.push_back(row[cells - s]);
+    }
+    check_mtf(field, text.where(i));
+    for (std::vector<double>* cut : {&field.tangential, &field.sagittal})
+      if (field.frequency[0] == 0.0 && std::abs(cut->front() - 1.0) <= kThreeDigits) cut->front() = 1.0;
+    if (!is_limit) listing.fields.push_back(std::move(field));
+    i = end - 1;
+  }
+  if (listing.fields.empty()) throw UsageError(text.source + ": no field but the diffraction limit; list one");
+  listing.remarks.warnings.push_back(text.source +
+                                     ": an MTF has no phase: what shifts or skews a PSF, such as coma, is left out; "
+                                     "import Zernike coefficients or a PSF for that");
+  return listing;
+}
+
+}  // namespace mtf::io
