@@ -35,6 +35,9 @@ constexpr std::array kKeys{Key{"electrons_per_count", "adc.electrons_per_count",
                            Key{"prnu_row", "nonuniformity.prnu_row", ""},
                            Key{"prnu_column", "nonuniformity.prnu_column", ""},
                            Key{"dcnu", "nonuniformity.dcnu", ""},
+                           Key{"dead_fraction", "defects.dead_fraction", ""},
+                           Key{"hot_fraction", "defects.hot_fraction", ""},
+                           Key{"hot_excess", "defects.hot", " e-"},
                            Key{"row_noise", "noise.row", " e-"},
                            Key{"column_noise", "noise.column", " e-"},
                            Key{"fixed_row", "noise.fixed_row", " e-"},
@@ -188,7 +191,7 @@ CameraFile camera_file(const Characterization& camera, const StacksFile& stacks,
   if (maps) {
     for (const char* const key :
          {"nonuniformity.prnu", "nonuniformity.prnu_row", "nonuniformity.prnu_column", "nonuniformity.dsnu",
-          "noise.fixed_row", "noise.fixed_column", "defects.hot_fraction", "defects.dead_fraction"})
+          "noise.fixed_row", "noise.fixed_column", "defects.hot_fraction", "defects.dead_fraction", "defects.hot"})
       unset(key);
     set("nonuniformity.offset", "offset.exr");
     set("nonuniformity.responsivity", "responsivity.exr");

@@ -6,6 +6,7 @@
 #include <limits>
 #include <set>
 
+#include "calib/characterize/defect_pixels.h"
 #include "calib/characterize/trend.h"
 #include "calib/fit/fit_report.h"
 #include "mtf/error.h"
@@ -128,6 +129,7 @@ class Analysis {
     for (Stack* const stack : by_light(stacks)) result_.stacks.push_back(std::move(*stack));
     mark_saturated(by_light(result_.stacks));
     require_sound(result_.stacks);
+    find_planes();
     make_levels();
     fit();
     add_transfer();
@@ -140,12 +142,19 @@ class Analysis {
   Characterization take() { return std::move(result_); }
 
  private:
+  void find_planes();
   void make_levels();
   void fit();
   void correct_for_crosstalk();
   void add_transfer();
   void add_lines();
   void add_patterns();
+  void add_defects(const Stack& dark);
+  DefectSums sums_of_defects(const Stack& dark, const PlaneSquares& plane) const {
+    if (result_.bright < 0) return defect_sums(dark, plane, nullptr, 0.0);
+    const auto mean = [&](int stack) { return result_.stacks[static_cast<std::size_t>(stack)].sums.mean; };
+    return defect_sums(dark, plane, &response_, mean(result_.bright) - mean(result_.dark));
+  }
   void add_unknowable();
 
   void add(Finding finding) { result_.findings.push_back(std::move(finding)); }
@@ -184,9 +193,30 @@ class Analysis {
 
   CharacterizeOptions options_;
   Characterization result_;
-  bool read_hidden_ = false;  ///< by rounding
-  Estimate gain_;             ///< counts per electron, corrected
+  bool read_hidden_ = false;      ///< by rounding
+  PlaneSquares dark_, response_;  ///< of the dark stack's pattern, and of that of the light
+  Trend trend_;                   ///< that was taken from the latter
+  DefectSums defects_;
+  double working_ = 1.0;  ///< share of the pixels that are not dead
+  Estimate gain_;         ///< counts per electron, corrected
 };
+
+void Analysis::find_planes() {
+  const auto [dark, longest, bright] = choice_of(result_.stacks);
+  if (dark == nullptr) return;
+  result_.dark = static_cast<int>(dark - result_.stacks.data());
+  dark_ = plane_squares(dark->sums.pattern.view());
+  if (bright != nullptr) {
+    result_.bright = static_cast<int>(bright - result_.stacks.data());
+    mtf::Image lit = pattern_difference(*bright, *dark);
+    trend_ = remove_trend(lit.view(), options_.trend);
+    result_.trend = trend_.degree;
+    response_ = plane_squares(lit.view(), trend_.degree);
+  }
+  if (is_hidden_by_rounding(*dark)) return;
+  defects_ = sums_of_defects(*dark, dark_);
+  working_ = 1.0 - static_cast<double>(defects_.dead) / (dark_.rows * dark_.columns);
+}
 
 void Analysis::make_levels() {
   std::vector<Stack>& stacks = result_.stacks;
@@ -206,12 +236,14 @@ void Analysis::make_levels() {
     }
     const double v = s.squares.value[kTvh], n = number_of_values(stack), T = s.squares.frames;
     const double pattern = rounding_of(stack);
-    TransferLevel level{.light = stack.light, .time_s = stack.time_s, .mean = s.mean};
+    TransferLevel level{.light = stack.light, .time_s = stack.time_s, .mean = s.mean - defects_.mean};
     level.mean_variance = (lines ? std::max(v, s.squares.value[kTv] + s.squares.value[kTh] - v) : v) / n +
                           pattern * T / n + (frames ? dark_frames.variance / T : 0.0);
-    level.variance = v;
+    level.variance = v - defects_.variance;
     level.shared = shared_variance(s.squares);
     level.dof = s.squares.dof(kTvh);
+    // In other stacks defective pixels have other noise of the same variance.
+    if (static_cast<int>(i) != result_.dark) level.dof /= 1.0 + defects_.scatter / square(level.variance);
     // Rounded noise of a pixel is not normal; what it shares scatters with it.
     if (v < 1.5) level.variance_sd = s.variance_sd * v / (v + level.shared);
     level.light_sd = std::sqrt(square(options_.light_repeatability) + flicker / T);
@@ -331,12 +363,18 @@ void Analysis::add_transfer() {
     finding.verdict = Verdict::upper_limit;
     finding.why = kHidden;
   }
-  const Estimate rate = scaled(t.rate, 1.0);
-  add_value("rate", "e- per unit of light", rate, from);
-  for (std::size_t k = 0; k < t.a.size(); ++k)
-    add_value(t.names[4 + k], "", scaled(t.a[k], -static_cast<double>(k) - 1.0), from);
+  // The mean over all pixels is that of the working ones times their share.
+  const auto of_working = [&](Estimate e, int power) {
+    const double factor = std::pow(working_, power);
+    return Estimate{e.value * factor, e.sd * factor};
+  };
+  add_value("rate", "e- per unit of light", of_working(scaled(t.rate, 1.0), -1), from);
+  for (std::size_t k = 0; k < t.a.size(); ++k) {
+    const int power = static_cast<int>(k) + 1;
+    add_value(t.names[4 + k], "", of_working(scaled(t.a[k], -power), power), from);
+  }
   if (t.dark) {
-    add_value("dark_current", "e-/s", scaled(*t.dark, 1.0), from);
+    add_value("dark_current", "e-/s", of_working(scaled(*t.dark, 1.0), -1), from);
     Finding& finding = result_.findings.back();
     if (finding.low95 <= 0.0) finding.verdict = Verdict::upper_limit;
     if (finding.high95 < 0.0) result_.warnings.push_back("the dark signal falls with the exposure time");
@@ -397,19 +435,19 @@ void Analysis::add_lines() {
 
 void Analysis::add_patterns() {
   const auto [dark, longest, bright] = choice_of(result_.stacks);
+  const PlaneSquares &plane = dark_, &squares = response_;
   const std::string no_dark = result_.stacks.front().light == 0.0
                                   ? "the dark stack is clipped at the lower end; raise the offset"
                                   : "no dark stack; give one with light = false";
   const bool hidden = dark != nullptr && is_hidden_by_rounding(*dark);
   if (dark == nullptr || hidden)
-    for (const char* const name : {"dsnu", "fixed_row", "fixed_column"})
-      not_determined(name, "e-", hidden ? kHidden : no_dark);
+    for (const auto& [name, unit] : {std::pair{"dsnu", "e-"}, std::pair{"fixed_row", "e-"},
+                                     std::pair{"fixed_column", "e-"}, std::pair{"hot_fraction", ""}})
+      not_determined(name, unit, hidden ? kHidden : no_dark);
   if (dark == nullptr || bright == nullptr)
-    for (const char* const name : {"prnu", "prnu_row", "prnu_column"})
+    for (const char* const name : {"prnu", "prnu_row", "prnu_column", "dead_fraction"})
       not_determined(name, "", dark == nullptr ? no_dark : "no level has light");
   if (dark == nullptr) return;
-  result_.dark = static_cast<int>(dark - result_.stacks.data());
-  const PlaneSquares plane = plane_squares(dark->sums.pattern.view());
   const AveragedStack dark_stack{dark->sums.squares, rounding_of(*dark)};
   const Pattern fixed = pattern_of(plane, {dark_stack});
   if (!hidden) {
@@ -418,22 +456,21 @@ void Analysis::add_patterns() {
     add_rms("fixed_column", "e-", fixed.column, gain_, dark->name, fixed.column_sd_array);
     warn_of_shape("dsnu", plane, result_.warnings);
     result_.defects = plane.defects;
+    add_defects(*dark);
+  } else if (bright != nullptr) {
+    not_determined("dead_fraction", "", kHidden);
   }
 
   if (bright != nullptr) {
-    const auto index = static_cast<std::size_t>(bright - result_.stacks.data());
-    const PhotonTransfer::Level& level = result_.transfer.levels[static_cast<std::size_t>(result_.level_of[index])];
+    const int index = result_.level_of[static_cast<std::size_t>(result_.bright)];
+    const PhotonTransfer::Level& level = result_.transfer.levels[static_cast<std::size_t>(index)];
     // K g' e of the apparent numbers is that of the true ones; crosstalk smooths the pattern of white pixels by its
     // power.
-    const double signal = result_.transfer.gain.value * level.slope * level.electrons;
-    result_.bright = static_cast<int>(index);
+    const double signal = result_.transfer.gain.value * level.slope * level.electrons / working_;
     result_.bright_signal = signal;
     const Estimate &q = result_.crosstalk.power, lines{signal, 0.0},
                    pixels{signal * std::sqrt(q.value), signal * 0.5 * q.sd / std::sqrt(q.value)};
-    mtf::Image lit = pattern_difference(*bright, *dark);
-    const Trend trend = remove_trend(lit.view(), options_.trend);
-    result_.trend = trend.degree;
-    const PlaneSquares squares = plane_squares(lit.view(), trend.degree);
+    const Trend& trend = trend_;
     Pattern response = pattern_of(squares, {{bright->sums.squares, rounding_of(*bright)}, dark_stack});
     const std::string from = bright->name + " less " + dark->name;
     // Crosstalk makes the responses of neighbours alike: the means of lines scatter by 2 r / n of the pixels' more.
@@ -486,6 +523,20 @@ void Analysis::add_patterns() {
     not_determined("dcnu", "", "the dark current is not above 3 standard deviations");
 }
 
+void Analysis::add_defects(const Stack& dark) {
+  const CrosstalkEstimate& c = result_.crosstalk;
+  if (c.found) {  // hot pixels before it
+    Stack before;
+    before.sums.pattern = dark.sums.pattern.clone();
+    undo_crosstalk(before.sums.pattern, c.side.value, c.corner_found ? c.corner.value : 0.0);
+    const PlaneSquares plane = plane_squares(before.sums.pattern.view());
+    add_hot_pixels(sums_of_defects(before, plane), plane, gain_, dark.name, result_);
+  } else {
+    add_hot_pixels(defects_, dark_, gain_, dark.name, result_);
+  }
+  if (result_.bright >= 0) add_dead_pixels(defects_, dark_.rows * dark_.columns, dark.name, result_);
+}
+
 void Analysis::add_unknowable() {
   not_determined("transmission", "", "flat frames tell its product with the quantum efficiency only");
   not_determined("f_number", "", "flat frames do not tell it");
@@ -505,8 +556,10 @@ void drop_planes(std::vector<Stack>& stacks) {
   // A stack that is read later may show that those of this light are full: then one of less light serves.
   const double most = keep.bright != nullptr ? keep.bright->light : 0.0;
   const Choice lower = choice_of(stacks, most);
-  for (Stack& s : stacks)
+  for (Stack& s : stacks) {
     if (&s != keep.dark && &s != keep.longest && &s != keep.bright && &s != lower.bright) s.sums.pattern = mtf::Image();
+    if (&s != keep.dark) s.sums.noise = {};
+  }
 }
 
 Finding finding_of(const std::string& name, const std::string& unit, const Estimate& e, const std::string& from) {

@@ -39,6 +39,7 @@ struct StackSummary {
                looked_at = 0;  ///< pixels whose variance the noise of the others hardly makes, and of how many
   std::uint32_t step = 1;
   mtf::Image pattern{};  ///< pixel means less the mean of all; may be empty
+  NoiseScales noise{};   ///< empty where that is
 };
 /// Throws UsageError for a single frame.
 StackSummary summary_of(const StackStatistics& stack);

@@ -56,16 +56,16 @@ void add_noise_in_time(const std::vector<Stack>& stacks, std::vector<Finding>& f
   const bool is_dark = least->light == 0.0 || least->light_per_k > 0.0;
   if (!is_dark || least->sums.looked_at == 0 || rounding_of(*least) > 1e-4) return;
   const auto count = static_cast<double>(least->sums.noisy), of = static_cast<double>(least->sums.looked_at);
-  constexpr double many = 1e9;  // degrees of freedom: chi-square by F; the limits of a Poisson number
+  const auto [low, high] = poisson_limits(count);
   findings.push_back({.name = "noisy_pixels",
                       .unit = "",
                       .verdict = count > 0.0 ? Verdict::determined : Verdict::upper_limit,
                       .value = count / of,
                       .sd = std::sqrt(count) / of,
-                      .low95 = count > 0.0 ? count * f_quantile(0.025, 2.0 * count, many) / of : 0.0,
-                      .high95 = (count + 1.0) * f_quantile(0.975, 2.0 * count + 2.0, many) / of,
+                      .low95 = low / of,
+                      .high95 = high / of,
                       .from = least->name + ", temporal variance above that of the others"});
-  if (count > 0.0 && 1.0 - chi_square_tail(2.0 * kNoisy_p * of, 2.0 * count) < 1e-3)
+  if (poisson_tail(count, kNoisy_p * of) < 1e-3)
     warnings.push_back(least->name +
                        ": pixels that are noisier than the noise of the others makes any, as those that blink: " +
                        std::to_string(least->sums.noisy) + " of " + std::to_string(least->sums.looked_at) +

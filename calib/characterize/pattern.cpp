@@ -82,8 +82,9 @@ PlaneSquares plane_squares(mtf::ImageView<const float> plane, int trend) {
   std::vector<char> out(n, 0);
   Lines lines = lines_of(plane, out);
   std::size_t left_out = 0;
+  PlaneSquares result;
   for (int pass = 0; pass < 3; ++pass) {
-    const double far = defect_limit(n, [&](std::size_t i) { return residual(plane, lines, i); });
+    const double far = result.far = defect_limit(n, [&](std::size_t i) { return residual(plane, lines, i); });
     std::size_t count = 0;
     for (std::size_t i = 0; i < n; ++i) {
       out[i] = far > 0.0 && std::abs(residual(plane, lines, i)) > far ? 1 : 0;
@@ -93,7 +94,6 @@ PlaneSquares plane_squares(mtf::ImageView<const float> plane, int trend) {
     left_out = count;
     lines = lines_of(plane, out);
   }
-  PlaneSquares result;
   result.rows = static_cast<double>(plane.height);
   result.columns = static_cast<double>(plane.width);
   double squares = 0.0, cubes = 0.0, fourths = 0.0;
@@ -183,9 +183,12 @@ mtf::Image pattern_map(mtf::ImageView<const float> plane, const PlaneSquares& sq
       map.at(x, y) = static_cast<float>(pixel * squares.deviation(plane, x, y) +
                                         row * (squares.row_means[static_cast<std::size_t>(y)] - mean) +
                                         column * squares.column_means[static_cast<std::size_t>(x)]);
-  for (const Defect& defect : squares.defects)
+  double left = mtf::statistics(map.view()).mean * static_cast<double>(map.size());
+  for (const Defect& defect : squares.defects) {
+    left -= static_cast<double>(map.at(defect.x, defect.y));
     map.at(defect.x, defect.y) += static_cast<float>((1.0 - pixel) * defect.excess);
-  const double left = mtf::statistics(map.view()).mean;
+  }
+  left /= static_cast<double>(map.size() - std::ssize(squares.defects));
   for (std::int64_t i = 0; i < map.size(); ++i) map.data()[i] -= static_cast<float>(left);
   return map;
 }

@@ -60,6 +60,7 @@ StackSummary summary_of(const StackStatistics& stack) {
   s.share_high = stack.share_high();
   s.von_neumann = stack.von_neumann();
   s.step = stack.step();
+  s.noise = stack.noise_scales();
   s.pattern = mtf::Image(stack.width(), stack.height());
   for (std::int64_t i = 0; i < s.pattern.size(); ++i)
     s.pattern.data()[i] = static_cast<float>(stack.pixel_mean(i) - s.mean);
