@@ -135,7 +135,8 @@ class Analysis {
     add_transfer();
     add_lines();
     add_patterns();
-    add_noise_in_time(result_.stacks, result_.findings, result_.warnings);
+    add_slow_noise(slow_, result_.dark, gain_, result_);
+    add_noise_in_time(result_.stacks, result_.findings, result_.warnings, slow_.found);
     add_unknowable();
   }
 
@@ -149,12 +150,6 @@ class Analysis {
   void add_transfer();
   void add_lines();
   void add_patterns();
-  void add_defects(const Stack& dark);
-  DefectSums sums_of_defects(const Stack& dark, const PlaneSquares& plane) const {
-    if (result_.bright < 0) return defect_sums(dark, plane, nullptr, 0.0);
-    const auto mean = [&](int stack) { return result_.stacks[static_cast<std::size_t>(stack)].sums.mean; };
-    return defect_sums(dark, plane, &response_, mean(result_.bright) - mean(result_.dark));
-  }
   void add_unknowable();
 
   void add(Finding finding) { result_.findings.push_back(std::move(finding)); }
@@ -197,28 +192,44 @@ class Analysis {
   PlaneSquares dark_, response_;  ///< of the dark stack's pattern, and of that of the light
   Trend trend_;                   ///< that was taken from the latter
   DefectSums defects_;
-  double working_ = 1.0;  ///< share of the pixels that are not dead
-  Estimate gain_;         ///< counts per electron, corrected
+  SlowNoise slow_;
+  double working_ = 1.0;     ///< share of the pixels that are not dead
+  double own_charge_ = 1.0;  ///< share of its charge that crosstalk leaves a pixel
+  double taken_ = 0.0;       ///< mean of the defects that the levels are without, counts
+  Estimate gain_;            ///< counts per electron, corrected
 };
 
 void Analysis::find_planes() {
   const auto [dark, longest, bright] = choice_of(result_.stacks);
   if (dark == nullptr) return;
+  const CrosstalkEstimate& c = result_.crosstalk;
+  const double side = c.found ? c.side.value : 0.0, corner = c.corner_found ? c.corner.value : 0.0;
+  const auto squares_of = [&](mtf::Image plane, int trend) {
+    PlaneSquares squares = plane_squares(plane.view(), trend);
+    if (!c.found || squares.defects.empty()) return squares;
+    take_back_leaks(plane, squares.defects, side, corner);
+    return plane_squares(plane.view(), trend);
+  };
   result_.dark = static_cast<int>(dark - result_.stacks.data());
-  dark_ = plane_squares(dark->sums.pattern.view());
+  dark_ = squares_of(dark->sums.pattern.clone(), 0);
   if (bright != nullptr) {
     result_.bright = static_cast<int>(bright - result_.stacks.data());
     mtf::Image lit = pattern_difference(*bright, *dark);
     trend_ = remove_trend(lit.view(), options_.trend);
     result_.trend = trend_.degree;
-    response_ = plane_squares(lit.view(), trend_.degree);
+    response_ = squares_of(std::move(lit), trend_.degree);
   }
   if (is_hidden_by_rounding(*dark)) return;
-  defects_ = sums_of_defects(*dark, dark_);
+  if (!c.found) slow_ = slow_noise_of(*dark);
+  defects_ = defect_sums(dark->sums.noise, dark_, bright != nullptr ? &response_ : nullptr,
+                         bright != nullptr ? bright->sums.mean - dark->sums.mean : 0.0);
+  own_charge_ = 1.0 - 4.0 * (side + corner);
+  defects_.mean /= own_charge_;
   working_ = 1.0 - static_cast<double>(defects_.dead) / (dark_.rows * dark_.columns);
 }
 
 void Analysis::make_levels() {
+  taken_ = defects_.mean;
   std::vector<Stack>& stacks = result_.stacks;
   const bool lines = significance(stacks, kTv) > kSure_sd || significance(stacks, kTh) > kSure_sd;
   const double dark_mean = stacks.front().sums.mean;
@@ -236,12 +247,12 @@ void Analysis::make_levels() {
     }
     const double v = s.squares.value[kTvh], n = number_of_values(stack), T = s.squares.frames;
     const double pattern = rounding_of(stack);
-    TransferLevel level{.light = stack.light, .time_s = stack.time_s, .mean = s.mean - defects_.mean};
+    TransferLevel level{.light = stack.light, .time_s = stack.time_s, .mean = s.mean - taken_};
     level.mean_variance = (lines ? std::max(v, s.squares.value[kTv] + s.squares.value[kTh] - v) : v) / n +
-                          pattern * T / n + (frames ? dark_frames.variance / T : 0.0);
-    level.variance = v - defects_.variance;
+                          (pattern + slow_.of_mean(T)) * T / n + (frames ? dark_frames.variance / T : 0.0);
+    level.variance = v - defects_.variance - slow_.within(T);
     level.shared = shared_variance(s.squares);
-    level.dof = s.squares.dof(kTvh);
+    level.dof = s.squares.dof(kTvh) * slow_.freedom(v, T) * square(level.variance / (level.variance + slow_.within(T)));
     // In other stacks defective pixels have other noise of the same variance.
     if (static_cast<int>(i) != result_.dark) level.dof /= 1.0 + defects_.scatter / square(level.variance);
     // Rounded noise of a pixel is not normal; what it shares scatters with it.
@@ -304,6 +315,7 @@ void Analysis::fit() {
     }
     result_.transfer = fit_photon_transfer(result_.levels, how);
     correct_for_crosstalk();
+    find_planes();  // without what defects gave their neighbours
   }
   const PhotonTransfer& t = result_.transfer;
   const Estimate& q = result_.crosstalk.power;
@@ -350,8 +362,9 @@ void Analysis::add_transfer() {
     return Estimate{e.value * factor, std::hypot(e.sd * factor, power * e.value * factor * q.sd / q.value)};
   };
   add_value("electrons_per_count", "e-", {inverse, inverse * gain_.sd / gain_.value}, from);
-  add_value("offset", "counts", t.offset, from);
-  const Estimate read2 = scaled(t.read2, 2.0);
+  add_value("offset", "counts", {t.offset.value + taken_ - defects_.mean, t.offset.sd}, from);
+  Estimate read2 = scaled(t.read2, 2.0);  // without the 1/f noise
+  read2.sd = std::hypot(read2.sd, slow_.within_sd(static_cast<double>(slow_.frames)) / square(gain_.value));
   const VarianceComponent read{.variance = read2.value,
                                .sd = read2.sd,
                                .low95 = read2.value - k95_sd * read2.sd,
@@ -448,7 +461,13 @@ void Analysis::add_patterns() {
     for (const char* const name : {"prnu", "prnu_row", "prnu_column", "dead_fraction"})
       not_determined(name, "", dark == nullptr ? no_dark : "no level has light");
   if (dark == nullptr) return;
-  const AveragedStack dark_stack{dark->sums.squares, rounding_of(*dark)};
+  // The planes are without defects, whose noise is in the mean squares.
+  const auto averaged = [&](const Stack& stack) {
+    const double T = stack.sums.squares.frames;
+    return AveragedStack{stack.sums.squares, rounding_of(stack) + slow_.of_mean(T) - defects_.variance / T,
+                         slow_.of_mean_sd(T)};
+  };
+  const AveragedStack dark_stack = averaged(*dark);
   const Pattern fixed = pattern_of(plane, {dark_stack});
   if (!hidden) {
     add_rms("dsnu", "e-", fixed.pixel, gain_, dark->name, fixed.pixel_sd_array);
@@ -456,7 +475,8 @@ void Analysis::add_patterns() {
     add_rms("fixed_column", "e-", fixed.column, gain_, dark->name, fixed.column_sd_array);
     warn_of_shape("dsnu", plane, result_.warnings);
     result_.defects = plane.defects;
-    add_defects(*dark);
+    add_hot_pixels(defects_, dark_, {gain_.value * own_charge_, gain_.sd * own_charge_}, dark->name, result_);
+    if (bright != nullptr) add_dead_pixels(defects_, dark_.rows * dark_.columns, dark->name, result_);
   } else if (bright != nullptr) {
     not_determined("dead_fraction", "", kHidden);
   }
@@ -471,7 +491,7 @@ void Analysis::add_patterns() {
     const Estimate &q = result_.crosstalk.power, lines{signal, 0.0},
                    pixels{signal * std::sqrt(q.value), signal * 0.5 * q.sd / std::sqrt(q.value)};
     const Trend& trend = trend_;
-    Pattern response = pattern_of(squares, {{bright->sums.squares, rounding_of(*bright)}, dark_stack});
+    Pattern response = pattern_of(squares, {averaged(*bright), dark_stack});
     const std::string from = bright->name + " less " + dark->name;
     // Crosstalk makes the responses of neighbours alike: the means of lines scatter by 2 r / n of the pixels' more.
     const auto lower = [&](VarianceComponent& line, std::size_t lag, double n) {
@@ -512,8 +532,8 @@ void Analysis::add_patterns() {
   const std::optional<Estimate>& rate = result_.transfer.dark;
   if (!rate || !(longest->time_s > dark->time_s)) return;
   const double charge = gain_.value * rate->value * result_.crosstalk.power.value * (longest->time_s - dark->time_s);
-  const Pattern grown = pattern_of(plane_squares(pattern_difference(*longest, *dark).view()),
-                                   {{longest->sums.squares, rounding_of(*longest)}, dark_stack});
+  const Pattern grown =
+      pattern_of(plane_squares(pattern_difference(*longest, *dark).view()), {averaged(*longest), dark_stack});
   if (hidden || is_hidden_by_rounding(*longest))
     not_determined("dcnu", "", kHidden);
   else if (rate->value > kSure_sd * rate->sd)
@@ -521,20 +541,6 @@ void Analysis::add_patterns() {
             grown.pixel_sd_array);
   else
     not_determined("dcnu", "", "the dark current is not above 3 standard deviations");
-}
-
-void Analysis::add_defects(const Stack& dark) {
-  const CrosstalkEstimate& c = result_.crosstalk;
-  if (c.found) {  // hot pixels before it
-    Stack before;
-    before.sums.pattern = dark.sums.pattern.clone();
-    undo_crosstalk(before.sums.pattern, c.side.value, c.corner_found ? c.corner.value : 0.0);
-    const PlaneSquares plane = plane_squares(before.sums.pattern.view());
-    add_hot_pixels(sums_of_defects(before, plane), plane, gain_, dark.name, result_);
-  } else {
-    add_hot_pixels(defects_, dark_, gain_, dark.name, result_);
-  }
-  if (result_.bright >= 0) add_dead_pixels(defects_, dark_.rows * dark_.columns, dark.name, result_);
 }
 
 void Analysis::add_unknowable() {

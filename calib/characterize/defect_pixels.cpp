@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <set>
 
 #include "calib/fit/fit_report.h"
 #include "mtf/words.h"
@@ -14,7 +15,7 @@ namespace {
 using mtf::significant;
 
 constexpr double kFar_sd = 4.5;  // the limit, in standard deviations of the others
-constexpr double kChance_p = 1e-3, kSure_sd = 3.0;
+constexpr double kChance_p = 1e-3;
 
 double far_share() { return 0.5 * std::erfc(kFar_sd / std::numbers::sqrt2); }
 /// By how many standard deviations normal numbers beyond the limit exceed it on average.
@@ -36,56 +37,53 @@ Finding share_finding(const char* name, double count, double pixels, const std::
 
 }  // namespace
 
-DefectSums defect_sums(const Stack& stack, const PlaneSquares& dark, const PlaneSquares* response, double signal) {
-  const mtf::Image& plane = stack.sums.pattern;
-  const std::int64_t W = plane.width(), H = plane.height();
-  enum Kind : char { good, beside, hot, dead, odd };
-  std::vector<char> kind(static_cast<std::size_t>(plane.size()), good);
-  const auto at = [&](std::int64_t x, std::int64_t y) -> char& { return kind[static_cast<std::size_t>(y * W + x)]; };
+DefectSums defect_sums(const NoiseScales& noise, const PlaneSquares& dark, const PlaneSquares* response,
+                       double signal) {
+  const double pixels = dark.rows * dark.columns;
+  const auto columns = static_cast<std::int64_t>(dark.columns);
   DefectSums sums;
-  std::vector<Defect> sources;
+  std::set<std::int64_t> dead, seen;
+  double variance = 0.0, looked_at = 0.0;
+  const auto see = [&](const Defect& d) {
+    const bool first = seen.insert(d.y * columns + d.x).second;
+    if (!first || noise.empty() || d.y % noise.rows_apart != 0) return first;
+    const double one = noise.variance(static_cast<std::size_t>(d.y / noise.rows_apart * columns + d.x));
+    variance += one;
+    sums.scatter += one * one;
+    looked_at += 1.0;
+    return first;
+  };
   if (response != nullptr)
-    for (const Defect& d : response->defects) {
-      const bool is_dead = d.excess < -0.5 * signal;
-      at(d.x, d.y) = is_dead ? dead : odd;
-      if (is_dead) sources.push_back(d);
-    }
+    for (const Defect& d : response->defects)
+      if (d.excess < -0.5 * signal) dead.insert(d.y * columns + d.x), see(d);
+  sums.dead = std::ssize(dead);
   for (const Defect& d : dark.defects) {
-    char& one = at(d.x, d.y);
-    if (one == dead) continue;
-    one = d.excess > 0.0 ? hot : odd;
-    if (one == hot) sums.hot.push_back(d);
+    sums.mean += d.excess / pixels;
+    if (!see(d)) continue;
+    if (d.excess > 0.0)
+      sums.hot.push_back(d);
+    else
+      ++sums.others;
   }
-  sources.insert(sources.end(), sums.hot.begin(), sums.hot.end());
-  for (const Defect& d : sources)
-    for (std::int64_t y = std::max<std::int64_t>(0, d.y - 1); y < std::min(H, d.y + 2); ++y)
-      for (std::int64_t x = std::max<std::int64_t>(0, d.x - 1); x < std::min(W, d.x + 2); ++x)
-        if (at(x, y) == good || at(x, y) == odd) at(x, y) = beside;
-
-  const auto pixels = static_cast<double>(plane.size());
-  const NoiseScales& noise = stack.sums.noise;
-  double of_good = 0.0, goods = 0.0, of_others = 0.0, others = 0.0, squares = 0.0, neighbours = 0.0, sum_beside = 0.0;
-  for (std::int64_t y = 0; y < H; ++y)
-    for (std::int64_t x = 0; x < W; ++x) {
-      const char one = at(x, y);
-      sums.dead += one == dead ? 1 : 0;
-      sums.others += one == odd ? 1 : 0;
-      neighbours += one == beside ? 1.0 : 0.0;
-      if (one != good) (one == beside ? sum_beside : sums.mean) += dark.deviation(plane.view(), x, y);
-      if (noise.empty() || y % noise.rows_apart != 0) continue;
-      const double variance = noise.variance(static_cast<std::size_t>(y / noise.rows_apart * W + x));
-      const bool counts = one == good || one == beside;
-      (counts ? of_good : of_others) += variance;
-      (counts ? goods : others) += 1.0;
-      if (!counts) squares += variance * variance;
-    }
-  if (sum_beside > kSure_sd * std::sqrt(neighbours) * dark.far / kFar_sd) sums.mean += sum_beside;
-  sums.mean /= pixels;
-  if (others > 0.0 && goods > 0.0) {
-    sums.variance = (of_others - others * of_good / goods) / (goods + others);
-    sums.scatter = squares / (goods + others);
-  }
+  if (response != nullptr)
+    for (const Defect& d : response->defects) sums.others += see(d) ? 1 : 0;
+  if (!(looked_at > 0.0)) return sums;
+  const auto all = static_cast<double>(noise.pixel_count());
+  double of_all = 0.0;
+  for (std::size_t i = 0; i < noise.pixel_count(); ++i) of_all += noise.variance(i);
+  sums.variance = (variance - looked_at * (of_all - variance) / (all - looked_at)) / all;
+  sums.scatter /= all;
   return sums;
+}
+
+void take_back_leaks(mtf::Image& plane, const std::vector<Defect>& defects, double side, double corner) {
+  const double kept = 1.0 - 4.0 * (side + corner);
+  for (const Defect& d : defects)
+    for (std::int64_t y = std::max<std::int64_t>(0, d.y - 1); y < std::min(plane.height(), d.y + 2); ++y)
+      for (std::int64_t x = std::max<std::int64_t>(0, d.x - 1); x < std::min(plane.width(), d.x + 2); ++x) {
+        const std::int64_t away = std::abs(y - d.y) + std::abs(x - d.x);
+        if (away > 0) plane.at(x, y) -= static_cast<float>((away == 1 ? side : corner) / kept * d.excess);
+      }
 }
 
 void add_hot_pixels(const DefectSums& sums, const PlaneSquares& dark, const Estimate& gain, const std::string& from,

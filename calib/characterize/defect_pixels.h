@@ -10,7 +10,7 @@
 //   dead   a response below half of that of the others
 // A pixel beyond the limit that is neither answers weakly, or is cold; the chain has none of those. What defects add to
 // the mean of a dark frame, and to the noise, is no part of the offset and of the read noise of the others. Crosstalk
-// gives the neighbours of a hot pixel a part of its signal, so their means are summed with its own.
+// gives the neighbours of a defect a part of its signal, which is taken back from them.
 
 #include "calib/characterize/characterize.h"
 
@@ -19,17 +19,20 @@ namespace calib {
 struct DefectSums {
   std::vector<Defect> hot{};  ///< that are not dead
   std::int64_t dead = 0;      ///< also those that stand at a value of their own
-  std::int64_t others = 0;    ///< beyond the limit in the dark or in the response, and neither, nor beside one
+  std::int64_t others = 0;    ///< beyond the limit in the dark or in the response, and neither
   double mean = 0.0;          ///< what all these add to the mean of a dark frame, counts
   double variance = 0.0;      ///< and to the temporal variance of a pixel, counts^2
   double scatter = 0.0;       ///< mean over all pixels of the square of the variance that the defective ones have
 };
 
-/// `dark`: of the pattern of that stack. `response`: of the difference of a stack of that much more signal; may be
-/// null.
-DefectSums defect_sums(const Stack& stack, const PlaneSquares& dark, const PlaneSquares* response, double signal);
+/// `dark`: of the mean dark frame, whose noise that is. `response`: of its difference to one of that much more signal;
+/// may be null.
+DefectSums defect_sums(const NoiseScales& noise, const PlaneSquares& dark, const PlaneSquares* response, double signal);
 
-/// hot_fraction, and hot_excess in units of `gain`; `dark` is the plane before crosstalk, in which `sums.hot` are.
+/// Takes what crosstalk gave of the signal of defects from their neighbours.
+void take_back_leaks(mtf::Image& plane, const std::vector<Defect>& defects, double side, double corner);
+
+/// hot_fraction, and hot_excess in units of `gain`; `sums.hot` are of that plane.
 void add_hot_pixels(const DefectSums& sums, const PlaneSquares& dark, const Estimate& gain, const std::string& from,
                     Characterization& camera);
 void add_dead_pixels(const DefectSums& sums, double pixels, const std::string& from, Characterization& camera);

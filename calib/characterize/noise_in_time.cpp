@@ -6,8 +6,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "calib/characterize/characterize.h"
+#include "calib/fit/fit_report.h"
 #include "mtf/words.h"
 
 namespace calib {
@@ -31,8 +33,51 @@ void warn_of_neighbours(const Stack& dark, std::vector<std::string>& warnings) {
   }
 }
 
+SlowNoise slow_noise_of(const Stack& dark) {
+  const StackSummary& s = dark.sums;
+  if (s.noise.empty()) return {};
+  const auto square_of = [&](radiometry::CubePart part) {
+    const double variance = std::max(0.0, s.squares.variance(part));
+    return variance * variance;
+  };
+  return estimate_slow_noise(s.noise,
+                             square_of(radiometry::kTv) * static_cast<double>(s.noise.rows_apart) / s.squares.rows +
+                                 square_of(radiometry::kTh) / s.squares.columns);
+}
+
+void add_slow_noise(const SlowNoise& slow, int dark, const Estimate& gain, Characterization& camera) {
+  const auto undetermined = [&](const std::string& why) {
+    camera.findings.push_back({.name = "flicker_octave", .unit = "e-", .verdict = Verdict::not_determined, .why = why});
+  };
+  const Estimate& K = slow.strength;
+  if (!(K.sd > 0.0))
+    return undetermined("it takes a dark stack of " + std::to_string(kSlowFrames) +
+                        " frames or more, whose noise rounding does not hide");
+  const std::string from = camera.stacks[static_cast<std::size_t>(dark)].name + ", noise over 1 to " +
+                           std::to_string(slow.frames / 2) + " frames";
+  if (K.value > 3.0 * K.sd && !slow.found)
+    return undetermined("the noise of pixels lasts from frame to frame, but not as 1/f noise (p = " +
+                        mtf::significant(slow.p, 2) + ")");
+  const auto octave = [&](double strength) {
+    return std::sqrt(std::max(0.0, strength) * std::numbers::ln2) / gain.value;
+  };
+  const double value = slow.found ? octave(K.value) : 0.0;
+  camera.flicker_lowest = slow.lowest;
+  camera.findings.push_back({.name = "flicker_octave",
+                             .unit = "e-",
+                             .verdict = slow.found ? Verdict::determined : Verdict::upper_limit,
+                             .value = value,
+                             .sd = slow.found ? value * std::hypot(0.5 * K.sd / K.value, gain.sd / gain.value) : 0.0,
+                             .low95 = slow.found ? octave(K.value - k95_sd * K.sd) : 0.0,
+                             .high95 = octave(std::max(0.0, K.value) + k95_sd * K.sd),
+                             .from = from});
+  if (slow.found)
+    camera.findings.push_back(finding_of("flicker_corner", "cycles per frame", slow.corner,
+                                         from + ", where it equals a pixel's white noise"));
+}
+
 void add_noise_in_time(const std::vector<Stack>& stacks, std::vector<Finding>& findings,
-                       std::vector<std::string>& warnings) {
+                       std::vector<std::string>& warnings, bool known) {
   const Stack *least = nullptr, *clearest = nullptr;
   const auto clear = [](const Stack& one) {
     const Estimate& e = one.sums.frame_correlation;
@@ -46,7 +91,8 @@ void add_noise_in_time(const std::vector<Stack>& stacks, std::vector<Finding>& f
   if (least == nullptr) return;
   if (const Estimate& e = least->sums.frame_correlation; e.sd > 0.0)
     findings.push_back(finding_of("frame_correlation", "", e, least->name + ", a pixel's noise in successive frames"));
-  if (const Estimate& e = clearest->sums.frame_correlation; std::abs(e.value) > std::max(kLeast, kSure_sd * e.sd))
+  if (const Estimate& e = clearest->sums.frame_correlation;
+      !known && std::abs(e.value) > std::max(kLeast, kSure_sd * e.sd))
     warnings.push_back(
         clearest->name + ": the noise of a pixel is correlated from frame to frame (" + mtf::significant(e.value, 2) +
         " +- " + mtf::significant(e.sd, 2) +

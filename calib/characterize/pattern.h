@@ -56,7 +56,8 @@ void warn_of_shape(const std::string& name, const PlaneSquares& plane, std::vect
 /// A stack whose mean frame is in the plane.
 struct AveragedStack {
   radiometry::MeanSquares squares;
-  double pattern = 0.0;  ///< R, counts^2
+  double pattern = 0.0;     ///< R, and what slow noise moves its pixels by beyond MS_tvh/T (slow_noise.h), counts^2
+  double pattern_sd = 0.0;  ///< of that
 };
 
 struct Pattern {

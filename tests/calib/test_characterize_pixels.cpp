@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <random>
 
 #include "calib/characterize/characterize.h"
@@ -22,8 +23,32 @@ using Random = std::mt19937_64;
 struct PixelCamera {
   double gain = 0.5, read_e = 3.0, offset = 100.2, rate = 3000.0, prnu = 0.01, dsnu_e = 3.0, side = 0.0;
   double hot_share = 0.0, hot_e = 0.0, dead_share = 0.0;
-  bool equally_hot = false;  ///< all have hot_e, where it is their mean
+  bool equally_hot = false;                    ///< all have hot_e, where it is their mean
+  double octave_e = 0.0, lowest = 0.1 / 64.0;  ///< 1/f noise from frame to frame
+  double lasting = 0.0;                        ///< correlation of successive frames' read noise
 };
+
+/// 1/f noise of a pixel: two lines in each octave, whose frequency is somewhere in its half, with normal amplitudes.
+/// The spectrum of all pixels is 1/f from the lowest to half a cycle.
+std::vector<double> slow_series(const PixelCamera& camera, int frames, Random& random) {
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> uniform;
+  std::vector<double> series(static_cast<std::size_t>(frames), 0.0);
+  if (!(camera.octave_e > 0.0)) return series;
+  const double octaves = std::log2(0.5 / camera.lowest), lines = std::ceil(2.0 * octaves);
+  for (double line = 0.0; line < lines; ++line) {
+    const double turn = 2.0 * std::numbers::pi * camera.lowest * std::exp2(octaves * (line + uniform(random)) / lines);
+    const double rms = camera.octave_e * std::sqrt(octaves / lines), c = std::cos(turn), s = std::sin(turn);
+    double a = rms * normal(random), b = rms * normal(random);
+    for (double& value : series) {
+      value += a;
+      const double next = c * a - s * b;
+      b = s * a + c * b;
+      a = next;
+    }
+  }
+  return series;
+}
 
 struct PixelArray {
   std::vector<double> response, offset_e, hot_e;
@@ -54,7 +79,9 @@ PixelArray array_of(const PixelCamera& camera, Random& random) {
 Stack frames_of(const PixelCamera& camera, const PixelArray& array, double light, int frames, Random& random) {
   std::normal_distribution<double> normal;
   StackStatistics sums(kPixelSide, kPixelSide, {.low = 0.0, .high = 16383.0});
-  std::vector<double> e(kPixels);
+  std::vector<double> e(kPixels), noise(kPixels, 0.0);
+  std::vector<std::vector<double>> slow;
+  for (std::size_t i = 0; i < kPixels; ++i) slow.push_back(slow_series(camera, frames, random));
   mtf::Image frame(kPixelSide, kPixelSide);
   for (int t = 0; t < frames; ++t) {
     for (std::size_t i = 0; i < kPixels; ++i) {
@@ -67,9 +94,12 @@ Stack frames_of(const PixelCamera& camera, const PixelArray& array, double light
           return e[static_cast<std::size_t>((y + dy + kPixelSide) % kPixelSide * kPixelSide +
                                             (x + dx + kPixelSide) % kPixelSide)];
         };
-        const double s = camera.side;
+        const double s = camera.side, r = t > 0 ? camera.lasting : 0.0;
+        double& lasts = noise[static_cast<std::size_t>(i)];
+        lasts = r * lasts + std::sqrt(1.0 - r * r) * camera.read_e * normal(random);
         const double out = (1.0 - 4.0 * s) * at(0, 0) + s * (at(1, 0) + at(-1, 0) + at(0, 1) + at(0, -1)) +
-                           array.offset_e[static_cast<std::size_t>(i)] + camera.read_e * normal(random);
+                           array.offset_e[static_cast<std::size_t>(i)] + lasts +
+                           slow[static_cast<std::size_t>(i)][static_cast<std::size_t>(t)];
         frame.data()[i] = static_cast<float>(std::floor(camera.gain * out + camera.offset + 0.5));
       }
     sums.add(frame.view());
@@ -151,6 +181,31 @@ TEST(CharacterizePixels, WhatTheTwinHasNot) {
   for (const std::size_t i : {100U, 700U, 1300U}) odd.response[i] = 0.9;
   odd.offset_e[1900] = -60.0;
   EXPECT_TRUE(warned(found_of({}, odd, random), "4 pixels are beyond 4.5 sd"));
+}
+
+// Read noise and DSNU are those without it. A corner at 0.3, one at 0.01 cycles per frame, and none.
+TEST(CharacterizePixels, NoiseOneOverF) {
+  for (const double octave_e : {2.0, 0.35}) {
+    SCOPED_TRACE(octave_e);
+    expect_held({.octave_e = octave_e}, 120, 64, [&](const PixelArray&) {
+      return std::map<std::string, double>{
+          {"flicker_octave", octave_e},
+          {"flicker_corner", 0.5 * octave_e * octave_e / std::numbers::ln2 / (9.0 + 1.0 / 12.0 / 0.25)}};
+    });
+  }
+  Random random(6);
+  const auto found = [&](const PixelCamera& camera, int frames) {
+    return found_of(camera, array_of(camera, random), random, frames);
+  };
+  const Characterization none = found({}, 64);
+  EXPECT_EQ(none.find("flicker_octave")->verdict, Verdict::upper_limit);
+  EXPECT_EQ(none.find("flicker_octave")->value, 0.0);
+  EXPECT_LT(none.find("flicker_octave")->high95, 0.35);
+  EXPECT_NE(found({}, 8).find("flicker_octave")->why.find("16 frames"), std::string::npos);
+  const Characterization lag = found({.lasting = 0.4}, 64);
+  EXPECT_NE(lag.find("flicker_octave")->why.find("not as 1/f noise"), std::string::npos);
+  EXPECT_TRUE(warned(lag, "correlated from frame to frame"));
+  EXPECT_FALSE(warned(found({.octave_e = 2.0}, 64), "correlated from frame to frame"));
 }
 
 }  // namespace
