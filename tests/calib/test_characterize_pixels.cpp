@@ -12,6 +12,9 @@
 #include <random>
 
 #include "calib/characterize/characterize.h"
+#include "radiometry/stages/noise/fixed_pattern.h"
+#include "radiometry/stages/noise/frame_flicker.h"
+#include "radiometry/stages/noise/noise.h"
 
 namespace calib {
 namespace {
@@ -206,6 +209,47 @@ TEST(CharacterizePixels, NoiseOneOverF) {
   EXPECT_NE(lag.find("flicker_octave")->why.find("not as 1/f noise"), std::string::npos);
   EXPECT_TRUE(warned(lag, "correlated from frame to frame"));
   EXPECT_FALSE(warned(found({.octave_e = 2.0}, 64), "correlated from frame to frame"));
+}
+
+// The chain's own noise and pixels, made by its stages: what is found are the numbers of its sensor file.
+TEST(CharacterizePixels, StagesOfTheChain) {
+  const radiometry::Defects defects{.dead_fraction = 0.01, .hot_fraction = 0.02, .hot_e = 300.0};
+  const radiometry::FlickerOctaves flicker{.octave_e = 1.5, .lowest_cy_frame = 0.1 / 64.0};
+  int held = 0;
+  constexpr int kDraws = 20;
+  for (std::uint64_t seed = 1; seed <= kDraws; ++seed) {
+    const auto found_defects = radiometry::find_defects(kPixelSide, kPixelSide, defects, seed);
+    mtf::Image offset(kPixelSide, kPixelSide);
+    radiometry::offset_map(offset.view(), 3.0, seed);
+    std::vector<Stack> stacks;
+    std::uint32_t number = 0;
+    for (const double light : {0.0, 1.0, 2.0, 4.0}) {
+      StackStatistics sums(kPixelSide, kPixelSide, {.low = 0.0, .high = 16383.0});
+      for (int t = 0; t < (light > 0.0 ? 8 : 64); ++t, ++number) {
+        mtf::Image frame(kPixelSide, kPixelSide);
+        std::fill_n(frame.data(), frame.size(), static_cast<float>(3000.0 * light));
+        radiometry::apply_defects(frame.view(), found_defects);
+        radiometry::shot_noise(frame.view(), {seed, number});
+        radiometry::add_map(frame.view(), offset.view());
+        radiometry::add_gaussian(frame.view(), 3.0, {seed, number}, radiometry::Stream::read);
+        radiometry::add_frame_flicker(frame.view(), flicker.noise(), {seed, number});
+        for (std::int64_t i = 0; i < frame.size(); ++i) frame.data()[i] = std::floor(0.5F * frame.data()[i] + 100.7F);
+        sums.add(frame.view());
+      }
+      stacks.push_back({.name = "stack", .light = light, .sums = summary_of(sums)});
+    }
+    const Characterization found = characterize(std::move(stacks), {});
+    for (const auto& [name, truth] :
+         {std::pair{"hot_fraction", 0.02}, std::pair{"hot_excess", 300.0}, std::pair{"dead_fraction", 0.01},
+          std::pair{"flicker_octave", 1.5}, std::pair{"read_noise", 3.0}, std::pair{"rate", 3000.0},
+          std::pair{"dsnu", 3.0}}) {
+      const Finding* f = found.find(name);
+      ASSERT_TRUE(f != nullptr && f->verdict == Verdict::determined) << name;
+      EXPECT_LT(std::abs(f->value - truth), 4.5 * f->sd) << name;
+      held += f->low95 <= truth && truth <= f->high95 ? 1 : 0;
+    }
+  }
+  EXPECT_GE(held, 7 * kDraws * 95 / 100 - 11);  // 4.2 sd of 140 intervals
 }
 
 }  // namespace
