@@ -35,6 +35,10 @@ constexpr std::array kKeys{Key{"electrons_per_count", "adc.electrons_per_count",
                            Key{"prnu_row", "nonuniformity.prnu_row", ""},
                            Key{"prnu_column", "nonuniformity.prnu_column", ""},
                            Key{"dcnu", "nonuniformity.dcnu", ""},
+                           Key{"dead_fraction", "defects.dead_fraction", ""},
+                           Key{"hot_fraction", "defects.hot_fraction", ""},
+                           Key{"hot_excess", "defects.hot", " e-"},
+                           Key{"flicker_octave", "frame_flicker.octave", " e-"},
                            Key{"row_noise", "noise.row", " e-"},
                            Key{"column_noise", "noise.column", " e-"},
                            Key{"fixed_row", "noise.fixed_row", " e-"},
@@ -50,6 +54,10 @@ std::string quantity(double value, std::string_view unit) {
 constexpr std::array<std::string_view, 9> kCounted{
     "detector.reset_noise", "detector.other_noise", "detector.capacitance", "noise_3d.v",  "noise_3d.h",
     "noise_3d.tv",          "noise_3d.th",          "noise_3d.vh",          "noise_3d.tvh"};
+
+/// Of what is measured: numbers that others hold where stacks do not tell them.
+constexpr std::array<std::string_view, 5> kNotApart{"dark_current", "hot_fraction", "hot_excess", "dead_fraction",
+                                                    "flicker_octave"};
 
 /// The sensor of a changed text.
 mtf::io::SensorConfig read_again(const std::string& text, const mtf::io::SensorConfig& before) {
@@ -183,10 +191,13 @@ CameraFile camera_file(const Characterization& camera, const StacksFile& stacks,
       continue;
     }
     if (f != nullptr) left.push_back(key);
-    // Patterns of the nominal may stay; the dark current of stacks of one exposure is in offset and read noise.
-    const bool may_stay = f != nullptr && one.finding != "dark_current";
-    if (!may_stay) unset(key);
+    // Patterns of the nominal may stay; what stacks do not tell apart is in offset, read noise and rate.
+    if (f == nullptr || std::ranges::find(kNotApart, one.finding) != kNotApart.end()) unset(key);
   }
+  if (camera.flicker_lowest > 0.0)
+    set("frame_flicker.lowest", mtf::format_double(camera.flicker_lowest));
+  else
+    unset("frame_flicker.lowest");
   const Finding* const rate = camera.find("rate");
   const bool photons = stacks.tells_photons();
   if (photons && rate->value <= 1.0)
@@ -214,7 +225,7 @@ CameraFile camera_file(const Characterization& camera, const StacksFile& stacks,
   if (maps) {
     for (const char* const key :
          {"nonuniformity.prnu", "nonuniformity.prnu_row", "nonuniformity.prnu_column", "nonuniformity.dsnu",
-          "noise.fixed_row", "noise.fixed_column", "defects.hot_fraction", "defects.dead_fraction"})
+          "noise.fixed_row", "noise.fixed_column", "defects.hot_fraction", "defects.dead_fraction", "defects.hot"})
       unset(key);
     set("nonuniformity.offset", "offset.exr");
     set("nonuniformity.responsivity", "responsivity.exr");

@@ -25,8 +25,8 @@ struct PatternPlane {
 /// shading (calib/characterize/trend.h); those that are there.
 std::vector<PatternPlane> pattern_planes(const calib::Characterization& camera);
 
-/// In the form of nonuniformity.offset, electrons, and nonuniformity.responsivity, factors with the mean 1: without
-/// what is left of temporal noise (calib::pattern_map) and, of the responsivity, before crosstalk.
+/// In the form of nonuniformity.offset, electrons, and nonuniformity.responsivity, factors, without defects of the mean
+/// 0 and 1: without what is left of temporal noise (calib::pattern_map) and, of the responsivity, before crosstalk.
 struct PatternMaps {
   mtf::Image offset, responsivity;
 };

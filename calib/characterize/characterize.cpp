@@ -6,6 +6,7 @@
 #include <limits>
 #include <set>
 
+#include "calib/characterize/defect_pixels.h"
 #include "calib/characterize/rounding.h"
 #include "calib/characterize/trend.h"
 #include "calib/fit/fit_report.h"
@@ -130,18 +131,21 @@ class Analysis {
     for (Stack* const stack : by_light(stacks)) result_.stacks.push_back(std::move(*stack));
     mark_saturated(by_light(result_.stacks));
     require_sound(result_.stacks, options_.light_repeatability);
+    find_planes();
     make_levels();
     fit();
     add_transfer();
     add_lines();
     add_patterns();
-    add_noise_in_time(result_.stacks, result_.findings, result_.warnings);
+    add_slow_noise(slow_, result_.dark, gain_, result_);
+    add_noise_in_time(result_.stacks, result_.findings, result_.warnings, slow_.found);
     add_unknowable();
   }
 
   Characterization take() { return std::move(result_); }
 
  private:
+  void find_planes();
   void make_levels();
   void fit();
   void correct_for_crosstalk();
@@ -186,11 +190,48 @@ class Analysis {
 
   CharacterizeOptions options_;
   Characterization result_;
-  bool read_hidden_ = false;  ///< by rounding
-  Estimate gain_;             ///< counts per electron, corrected
+  bool read_hidden_ = false;      ///< by rounding
+  PlaneSquares dark_, response_;  ///< of the dark stack's pattern, and of that of the light
+  Trend trend_;                   ///< that was taken from the latter
+  DefectSums defects_;
+  SlowNoise slow_;
+  double working_ = 1.0;     ///< share of the pixels that are not dead
+  double own_charge_ = 1.0;  ///< share of its charge that crosstalk leaves a pixel
+  double taken_ = 0.0;       ///< mean of the defects that the levels are without, counts
+  Estimate gain_;            ///< counts per electron, corrected
 };
 
+void Analysis::find_planes() {
+  const auto [dark, longest, bright] = choice_of(result_.stacks);
+  if (dark == nullptr) return;
+  const CrosstalkEstimate& c = result_.crosstalk;
+  const double side = c.found ? c.side.value : 0.0, corner = c.corner_found ? c.corner.value : 0.0;
+  const auto squares_of = [&](mtf::Image plane, int trend) {
+    PlaneSquares squares = plane_squares(plane.view(), trend);
+    if (!c.found || squares.defects.empty()) return squares;
+    take_back_leaks(plane, squares.defects, side, corner);
+    return plane_squares(plane.view(), trend);
+  };
+  result_.dark = static_cast<int>(dark - result_.stacks.data());
+  dark_ = squares_of(dark->sums.pattern.clone(), 0);
+  if (bright != nullptr) {
+    result_.bright = static_cast<int>(bright - result_.stacks.data());
+    mtf::Image lit = pattern_difference(*bright, *dark);
+    trend_ = remove_trend(lit.view(), options_.trend);
+    result_.trend = trend_.degree;
+    response_ = squares_of(std::move(lit), trend_.degree);
+  }
+  if (is_hidden_by_rounding(*dark)) return;
+  if (!c.found) slow_ = slow_noise_of(*dark);
+  defects_ = defect_sums(dark->sums.noise, dark_, bright != nullptr ? &response_ : nullptr,
+                         bright != nullptr ? bright->sums.mean - dark->sums.mean : 0.0);
+  own_charge_ = 1.0 - 4.0 * (side + corner);
+  defects_.mean /= own_charge_;
+  working_ = 1.0 - static_cast<double>(defects_.dead) / (dark_.rows * dark_.columns);
+}
+
 void Analysis::make_levels() {
+  taken_ = defects_.mean;
   std::vector<Stack>& stacks = result_.stacks;
   const bool lines = significance(stacks, kTv) > kSure_sd || significance(stacks, kTh) > kSure_sd;
   const double dark_mean = stacks.front().sums.mean;
@@ -208,12 +249,14 @@ void Analysis::make_levels() {
     }
     const double v = s.squares.value[kTvh], n = number_of_values(stack), T = s.squares.frames;
     const double pattern = rounding_of(stack);
-    TransferLevel level{.light = stack.light, .time_s = stack.time_s, .mean = s.mean};
+    TransferLevel level{.light = stack.light, .time_s = stack.time_s, .mean = s.mean - taken_};
     level.mean_variance = (lines ? std::max(v, s.squares.value[kTv] + s.squares.value[kTh] - v) : v) / n +
-                          pattern * T / n + (frames ? dark_frames.variance / T : 0.0);
-    level.variance = v;
+                          (pattern + slow_.of_mean(T)) * T / n + (frames ? dark_frames.variance / T : 0.0);
+    level.variance = v - defects_.variance - slow_.within(T);
     level.shared = shared_variance(s.squares);
-    level.dof = s.squares.dof(kTvh);
+    level.dof = s.squares.dof(kTvh) * slow_.freedom(v, T) * square(level.variance / (level.variance + slow_.within(T)));
+    // In other stacks defective pixels have other noise of the same variance.
+    if (static_cast<int>(i) != result_.dark) level.dof /= 1.0 + defects_.scatter / square(level.variance);
     // Rounded noise of a pixel is not normal; what it shares scatters with it.
     if (v < 1.5) level.variance_sd = s.variance_sd * v / (v + level.shared);
     level.light_sd = std::sqrt(square(options_.light_repeatability) + flicker / T);
@@ -272,6 +315,7 @@ void Analysis::fit() {
     }
     result_.transfer = fit_photon_transfer(result_.levels, how);
     correct_for_crosstalk();
+    find_planes();  // without what defects gave their neighbours
   }
   const PhotonTransfer& t = result_.transfer;
   const Estimate& q = result_.crosstalk.power;
@@ -318,8 +362,9 @@ void Analysis::add_transfer() {
     return Estimate{e.value * factor, std::hypot(e.sd * factor, power * e.value * factor * q.sd / q.value)};
   };
   add_value("electrons_per_count", "e-", {inverse, inverse * gain_.sd / gain_.value}, from);
-  add_value("offset", "counts", t.offset, from);
-  const Estimate read2 = scaled(t.read2, 2.0);
+  add_value("offset", "counts", {t.offset.value + taken_ - defects_.mean, t.offset.sd}, from);
+  Estimate read2 = scaled(t.read2, 2.0);  // without the 1/f noise
+  read2.sd = std::hypot(read2.sd, slow_.within_sd(static_cast<double>(slow_.frames)) / square(gain_.value));
   const VarianceComponent read{.variance = read2.value,
                                .sd = read2.sd,
                                .low95 = read2.value - k95_sd * read2.sd,
@@ -331,12 +376,18 @@ void Analysis::add_transfer() {
     finding.verdict = Verdict::upper_limit;
     finding.why = hidden_why();
   }
-  const Estimate rate = scaled(t.rate, 1.0);
-  add_value("rate", "e- per unit of light", rate, from);
-  for (std::size_t k = 0; k < t.a.size(); ++k)
-    add_value(t.names[4 + k], "", scaled(t.a[k], -static_cast<double>(k) - 1.0), from);
+  // The mean over all pixels is that of the working ones times their share.
+  const auto of_working = [&](Estimate e, int power) {
+    const double factor = std::pow(working_, power);
+    return Estimate{e.value * factor, e.sd * factor};
+  };
+  add_value("rate", "e- per unit of light", of_working(scaled(t.rate, 1.0), -1), from);
+  for (std::size_t k = 0; k < t.a.size(); ++k) {
+    const int power = static_cast<int>(k) + 1;
+    add_value(t.names[4 + k], "", of_working(scaled(t.a[k], -power), power), from);
+  }
   if (t.dark) {
-    add_value("dark_current", "e-/s", scaled(*t.dark, 1.0), from);
+    add_value("dark_current", "e-/s", of_working(scaled(*t.dark, 1.0), -1), from);
     Finding& finding = result_.findings.back();
     if (finding.low95 <= 0.0) finding.verdict = Verdict::upper_limit;
     if (finding.high95 < 0.0) result_.warnings.push_back("the dark signal falls with the exposure time");
@@ -397,20 +448,26 @@ void Analysis::add_lines() {
 
 void Analysis::add_patterns() {
   const auto [dark, longest, bright] = choice_of(result_.stacks);
+  const PlaneSquares &plane = dark_, &squares = response_;
   const std::string no_dark = result_.stacks.front().light == 0.0
                                   ? "the dark stack is clipped at the lower end; raise the offset"
                                   : "no dark stack; give one with light = false";
   const bool hidden = dark != nullptr && is_hidden_by_rounding(*dark);
   if (dark == nullptr || hidden)
-    for (const char* const name : {"dsnu", "fixed_row", "fixed_column"})
-      not_determined(name, "e-", hidden ? hidden_why() : no_dark);
+    for (const auto& [name, unit] : {std::pair{"dsnu", "e-"}, std::pair{"fixed_row", "e-"},
+                                     std::pair{"fixed_column", "e-"}, std::pair{"hot_fraction", ""}})
+      not_determined(name, unit, hidden ? hidden_why() : no_dark);
   if (dark == nullptr || bright == nullptr)
-    for (const char* const name : {"prnu", "prnu_row", "prnu_column"})
+    for (const char* const name : {"prnu", "prnu_row", "prnu_column", "dead_fraction"})
       not_determined(name, "", dark == nullptr ? no_dark : "no level has light");
   if (dark == nullptr) return;
-  result_.dark = static_cast<int>(dark - result_.stacks.data());
-  const PlaneSquares plane = plane_squares(dark->sums.pattern.view());
-  const AveragedStack dark_stack{dark->sums.squares, rounding_of(*dark)};
+  // The planes are without defects, whose noise is in the mean squares.
+  const auto averaged = [&](const Stack& stack) {
+    const double T = stack.sums.squares.frames;
+    return AveragedStack{stack.sums.squares, rounding_of(stack) + slow_.of_mean(T) - defects_.variance / T,
+                         slow_.of_mean_sd(T)};
+  };
+  const AveragedStack dark_stack = averaged(*dark);
   const Pattern fixed = pattern_of(plane, {dark_stack});
   if (!hidden) {
     add_rms("dsnu", "e-", fixed.pixel, gain_, dark->name, fixed.pixel_sd_array);
@@ -418,23 +475,23 @@ void Analysis::add_patterns() {
     add_rms("fixed_column", "e-", fixed.column, gain_, dark->name, fixed.column_sd_array);
     warn_of_shape("dsnu", plane, result_.warnings);
     result_.defects = plane.defects;
+    add_hot_pixels(defects_, dark_, {gain_.value * own_charge_, gain_.sd * own_charge_}, dark->name, result_);
+    if (bright != nullptr) add_dead_pixels(defects_, dark_.rows * dark_.columns, dark->name, result_);
+  } else if (bright != nullptr) {
+    not_determined("dead_fraction", "", hidden_why());
   }
 
   if (bright != nullptr) {
-    const auto index = static_cast<std::size_t>(bright - result_.stacks.data());
-    const PhotonTransfer::Level& level = result_.transfer.levels[static_cast<std::size_t>(result_.level_of[index])];
+    const int index = result_.level_of[static_cast<std::size_t>(result_.bright)];
+    const PhotonTransfer::Level& level = result_.transfer.levels[static_cast<std::size_t>(index)];
     // K g' e of the apparent numbers is that of the true ones; crosstalk smooths the pattern of white pixels by its
     // power.
-    const double signal = result_.transfer.gain.value * level.slope * level.electrons;
-    result_.bright = static_cast<int>(index);
+    const double signal = result_.transfer.gain.value * level.slope * level.electrons / working_;
     result_.bright_signal = signal;
     const Estimate &q = result_.crosstalk.power, lines{signal, 0.0},
                    pixels{signal * std::sqrt(q.value), signal * 0.5 * q.sd / std::sqrt(q.value)};
-    mtf::Image lit = pattern_difference(*bright, *dark);
-    const Trend trend = remove_trend(lit.view(), options_.trend);
-    result_.trend = trend.degree;
-    const PlaneSquares squares = plane_squares(lit.view(), trend.degree);
-    Pattern response = pattern_of(squares, {{bright->sums.squares, rounding_of(*bright)}, dark_stack});
+    const Trend& trend = trend_;
+    Pattern response = pattern_of(squares, {averaged(*bright), dark_stack});
     const std::string from = bright->name + " less " + dark->name;
     // Crosstalk makes the responses of neighbours alike: the means of lines scatter by 2 r / n of the pixels' more.
     const auto lower = [&](VarianceComponent& line, std::size_t lag, double n) {
@@ -475,8 +532,8 @@ void Analysis::add_patterns() {
   const std::optional<Estimate>& rate = result_.transfer.dark;
   if (!rate || !(longest->time_s > dark->time_s)) return;
   const double charge = gain_.value * rate->value * result_.crosstalk.power.value * (longest->time_s - dark->time_s);
-  const Pattern grown = pattern_of(plane_squares(pattern_difference(*longest, *dark).view()),
-                                   {{longest->sums.squares, rounding_of(*longest)}, dark_stack});
+  const Pattern grown =
+      pattern_of(plane_squares(pattern_difference(*longest, *dark).view()), {averaged(*longest), dark_stack});
   if (hidden || is_hidden_by_rounding(*longest))
     not_determined("dcnu", "", hidden_why());
   else if (rate->value > kSure_sd * rate->sd)
@@ -505,8 +562,10 @@ void drop_planes(std::vector<Stack>& stacks) {
   // A stack that is read later may show that those of this light are full: then one of less light serves.
   const double most = keep.bright != nullptr ? keep.bright->light : 0.0;
   const Choice lower = choice_of(stacks, most);
-  for (Stack& s : stacks)
+  for (Stack& s : stacks) {
     if (&s != keep.dark && &s != keep.longest && &s != keep.bright && &s != lower.bright) s.sums.pattern = mtf::Image();
+    if (&s != keep.dark) s.sums.noise = {};
+  }
 }
 
 Finding finding_of(const std::string& name, const std::string& unit, const Estimate& e, const std::string& from) {

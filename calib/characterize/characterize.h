@@ -24,6 +24,7 @@
 #include "calib/characterize/crosstalk_estimate.h"
 #include "calib/characterize/pattern.h"
 #include "calib/characterize/photon_transfer.h"
+#include "calib/characterize/slow_noise.h"
 
 namespace calib {
 
@@ -40,6 +41,7 @@ struct StackSummary {
                looked_at = 0;  ///< pixels whose variance the noise of the others hardly makes, and of how many
   std::uint32_t step = 1;
   mtf::Image pattern{};  ///< pixel means less the mean of all; may be empty
+  NoiseScales noise{};   ///< empty where that is
 };
 /// Throws UsageError for a single frame.
 StackSummary summary_of(const StackStatistics& stack);
@@ -104,6 +106,7 @@ struct Characterization {
   std::vector<Defect> defects;  ///< of the dark, in counts
   int dark = -1, bright = -1;   ///< places in `stacks` of those whose planes tell the patterns; -1: there is none
   double bright_signal = 0.0;   ///< K g'(e) e of the bright one: counts of the responsivity's pattern
+  double flicker_lowest = 0.0;  ///< cycles per frame; 0: no 1/f noise is looked for
   int trend = 0;                ///< degree of the shading that was taken from it
   std::vector<std::string> warnings;
   bool misfit = false;
@@ -130,9 +133,13 @@ mtf::Image pattern_difference(const Stack& stack, const Stack& other);
 void warn_of_neighbours(const Stack& dark, std::vector<std::string>& warnings);
 /// Adds what the noise of a pixel is in time, and warnings where frames are not independent, or some pixels are noisier
 /// than normal noise makes any: `frame_correlation` and `noisy_pixels` of the stack with
-/// the least light, as neither grows with it.
+/// the least light, as neither grows with it. `known`: 1/f noise is found, and no warning needed.
 void add_noise_in_time(const std::vector<Stack>& by_light, std::vector<Finding>& findings,
-                       std::vector<std::string>& warnings);
+                       std::vector<std::string>& warnings, bool known = false);
+/// Of the stack's dark frames; and what add_noise_in_time's correlation is of, as flicker_octave with flicker_lowest,
+/// and flicker_corner.
+SlowNoise slow_noise_of(const Stack& dark);
+void add_slow_noise(const SlowNoise& slow, int dark, const Estimate& gain, Characterization& camera);
 double number_of_values(const Stack& stack);
 /// Throws UsageError for no stacks, stacks of other sizes, means that fall while the light rises, and drifts: of all
 /// stacks together by von Neumann's ratio; of one alone where a line through its frames' means rises or falls by more

@@ -67,6 +67,16 @@ double chi_square_tail(double chi2, double dof) {
   return dof > 0.0 ? boost::math::gamma_q(0.5 * dof, 0.5 * std::max(0.0, chi2)) : 1.0;
 }
 
+double poisson_tail(double count, double mean) {
+  return count > 0.0 ? 1.0 - chi_square_tail(2.0 * mean, 2.0 * count) : 1.0;
+}
+
+std::array<double, 2> poisson_limits(double count) {
+  constexpr double kMany = 1e9;  // degrees of freedom: chi-square by F
+  return {count > 0.0 ? count * f_quantile(0.025, 2.0 * count, kMany) : 0.0,
+          (count + 1.0) * f_quantile(0.975, 2.0 * count + 2.0, kMany)};
+}
+
 double f_quantile(double p, double dof1, double dof2) {
   double rest = 0.0;  // 1 - y, which is not the difference near y = 1
   const double y = boost::math::ibeta_inv(0.5 * dof1, 0.5 * dof2, p, &rest);

@@ -11,6 +11,7 @@
 // They cover 94.5 to 95.6 % for all seven parts of cubes down to 3 x 8 x 8, where 1.96 standard deviations cover 73 to
 // 94 %. Rounding and the truth may make a component negative; its value and limits are kept as they are.
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -41,6 +42,10 @@ VarianceComponent variance_component(const radiometry::MeanSquares& squares, rad
 
 /// Probability that chi-square of noise is at least as large.
 double chi_square_tail(double chi2, double dof);
+/// Probability that a number of events of which `mean` are expected is at least `count`, and the 95 % limits of that
+/// mean where `count` occurred.
+double poisson_tail(double count, double mean);
+std::array<double, 2> poisson_limits(double count);
 /// The ratio of two mean squares of noise that is not exceeded with the probability p; with dof1 = 1 that of Student's
 /// t squared.
 double f_quantile(double p, double dof1, double dof2);

@@ -6,8 +6,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "calib/characterize/characterize.h"
+#include "calib/fit/fit_report.h"
 #include "mtf/words.h"
 
 namespace calib {
@@ -31,8 +33,51 @@ void warn_of_neighbours(const Stack& dark, std::vector<std::string>& warnings) {
   }
 }
 
+SlowNoise slow_noise_of(const Stack& dark) {
+  const StackSummary& s = dark.sums;
+  if (s.noise.empty()) return {};
+  const auto square_of = [&](radiometry::CubePart part) {
+    const double variance = std::max(0.0, s.squares.variance(part));
+    return variance * variance;
+  };
+  return estimate_slow_noise(s.noise,
+                             square_of(radiometry::kTv) * static_cast<double>(s.noise.rows_apart) / s.squares.rows +
+                                 square_of(radiometry::kTh) / s.squares.columns);
+}
+
+void add_slow_noise(const SlowNoise& slow, int dark, const Estimate& gain, Characterization& camera) {
+  const auto undetermined = [&](const std::string& why) {
+    camera.findings.push_back({.name = "flicker_octave", .unit = "e-", .verdict = Verdict::not_determined, .why = why});
+  };
+  const Estimate& K = slow.strength;
+  if (!(K.sd > 0.0))
+    return undetermined("it takes a dark stack of " + std::to_string(kSlowFrames) +
+                        " frames or more, whose noise rounding does not hide");
+  const std::string from = camera.stacks[static_cast<std::size_t>(dark)].name + ", noise over 1 to " +
+                           std::to_string(slow.frames / 2) + " frames";
+  if (K.value > 3.0 * K.sd && !slow.found)
+    return undetermined("the noise of pixels lasts from frame to frame, but not as 1/f noise (p = " +
+                        mtf::significant(slow.p, 2) + ")");
+  const auto octave = [&](double strength) {
+    return std::sqrt(std::max(0.0, strength) * std::numbers::ln2) / gain.value;
+  };
+  const double value = slow.found ? octave(K.value) : 0.0;
+  camera.flicker_lowest = slow.lowest;
+  camera.findings.push_back({.name = "flicker_octave",
+                             .unit = "e-",
+                             .verdict = slow.found ? Verdict::determined : Verdict::upper_limit,
+                             .value = value,
+                             .sd = slow.found ? value * std::hypot(0.5 * K.sd / K.value, gain.sd / gain.value) : 0.0,
+                             .low95 = slow.found ? octave(K.value - k95_sd * K.sd) : 0.0,
+                             .high95 = octave(std::max(0.0, K.value) + k95_sd * K.sd),
+                             .from = from});
+  if (slow.found)
+    camera.findings.push_back(finding_of("flicker_corner", "cycles per frame", slow.corner,
+                                         from + ", where it equals a pixel's white noise"));
+}
+
 void add_noise_in_time(const std::vector<Stack>& stacks, std::vector<Finding>& findings,
-                       std::vector<std::string>& warnings) {
+                       std::vector<std::string>& warnings, bool known) {
   const Stack *least = nullptr, *clearest = nullptr;
   const auto clear = [](const Stack& one) {
     const Estimate& e = one.sums.frame_correlation;
@@ -46,7 +91,8 @@ void add_noise_in_time(const std::vector<Stack>& stacks, std::vector<Finding>& f
   if (least == nullptr) return;
   if (const Estimate& e = least->sums.frame_correlation; e.sd > 0.0)
     findings.push_back(finding_of("frame_correlation", "", e, least->name + ", a pixel's noise in successive frames"));
-  if (const Estimate& e = clearest->sums.frame_correlation; std::abs(e.value) > std::max(kLeast, kSure_sd * e.sd))
+  if (const Estimate& e = clearest->sums.frame_correlation;
+      !known && std::abs(e.value) > std::max(kLeast, kSure_sd * e.sd))
     warnings.push_back(
         clearest->name + ": the noise of a pixel is correlated from frame to frame (" + mtf::significant(e.value, 2) +
         " +- " + mtf::significant(e.sd, 2) +
@@ -56,16 +102,16 @@ void add_noise_in_time(const std::vector<Stack>& stacks, std::vector<Finding>& f
   const bool is_dark = least->light == 0.0 || least->light_per_k > 0.0;
   if (!is_dark || least->sums.looked_at == 0 || rounding_of(*least) > 1e-4) return;
   const auto count = static_cast<double>(least->sums.noisy), of = static_cast<double>(least->sums.looked_at);
-  constexpr double many = 1e9;  // degrees of freedom: chi-square by F; the limits of a Poisson number
+  const auto [low, high] = poisson_limits(count);
   findings.push_back({.name = "noisy_pixels",
                       .unit = "",
                       .verdict = count > 0.0 ? Verdict::determined : Verdict::upper_limit,
                       .value = count / of,
                       .sd = std::sqrt(count) / of,
-                      .low95 = count > 0.0 ? count * f_quantile(0.025, 2.0 * count, many) / of : 0.0,
-                      .high95 = (count + 1.0) * f_quantile(0.975, 2.0 * count + 2.0, many) / of,
+                      .low95 = low / of,
+                      .high95 = high / of,
                       .from = least->name + ", temporal variance above that of the others"});
-  if (count > 0.0 && 1.0 - chi_square_tail(2.0 * kNoisy_p * of, 2.0 * count) < 1e-3)
+  if (poisson_tail(count, kNoisy_p * of) < 1e-3)
     warnings.push_back(least->name +
                        ": pixels that are noisier than the noise of the others makes any, as those that blink: " +
                        std::to_string(least->sums.noisy) + " of " + std::to_string(least->sums.looked_at) +

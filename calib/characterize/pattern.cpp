@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "calib/edge/median.h"
+#include "calib/fit/fit_report.h"
 #include "mtf/engines/statistics.h"
 #include "mtf/words.h"
 
@@ -82,8 +83,9 @@ PlaneSquares plane_squares(mtf::ImageView<const float> plane, int trend) {
   std::vector<char> out(n, 0);
   Lines lines = lines_of(plane, out);
   std::size_t left_out = 0;
+  PlaneSquares result;
   for (int pass = 0; pass < 3; ++pass) {
-    const double far = defect_limit(n, [&](std::size_t i) { return residual(plane, lines, i); });
+    const double far = result.far = defect_limit(n, [&](std::size_t i) { return residual(plane, lines, i); });
     std::size_t count = 0;
     for (std::size_t i = 0; i < n; ++i) {
       out[i] = far > 0.0 && std::abs(residual(plane, lines, i)) > far ? 1 : 0;
@@ -93,7 +95,6 @@ PlaneSquares plane_squares(mtf::ImageView<const float> plane, int trend) {
     left_out = count;
     lines = lines_of(plane, out);
   }
-  PlaneSquares result;
   result.rows = static_cast<double>(plane.height);
   result.columns = static_cast<double>(plane.width);
   double squares = 0.0, cubes = 0.0, fourths = 0.0;
@@ -140,7 +141,7 @@ Pattern pattern_of(const PlaneSquares& plane, const std::vector<AveragedStack>& 
   std::vector<MeanSquareTerm> row{{1.0 / H, plane.row, plane.row_dof}, {-1.0 / H, plane.pixel, plane.pixel_dof}};
   std::vector<MeanSquareTerm> column{{1.0 / V, plane.column, plane.column_dof},
                                      {-1.0 / V, plane.pixel, plane.pixel_dof}};
-  double rounding = 0.0, temporal = 0.0, temporal_row = 0.0, temporal_column = 0.0;
+  double rounding = 0.0, rounding_sd = 0.0, temporal = 0.0, temporal_row = 0.0, temporal_column = 0.0;
   for (const AveragedStack& stack : stacks) {
     const auto term = [&](std::size_t part, double factor) {
       return MeanSquareTerm{factor / stack.squares.frames, stack.squares.value[part], stack.squares.dof(part)};
@@ -151,6 +152,7 @@ Pattern pattern_of(const PlaneSquares& plane, const std::vector<AveragedStack>& 
     column.push_back(term(kTh, -1.0 / V));
     column.push_back(term(kTvh, 1.0 / V));
     rounding += stack.pattern;
+    rounding_sd += stack.pattern_sd;  // of one number in all
     temporal += stack.squares.value[kTvh] / stack.squares.frames;
     temporal_row += stack.squares.value[kTv] / stack.squares.frames;
     temporal_column += stack.squares.value[kTh] / stack.squares.frames;
@@ -158,6 +160,11 @@ Pattern pattern_of(const PlaneSquares& plane, const std::vector<AveragedStack>& 
   Pattern result{
       .pixel = variance_component(pixel), .row = variance_component(row), .column = variance_component(column)};
   for (double* const value : {&result.pixel.variance, &result.pixel.low95, &result.pixel.high95}) *value -= rounding;
+  result.pixel.low95 =
+      result.pixel.variance - std::hypot(result.pixel.variance - result.pixel.low95, k95_sd * rounding_sd);
+  result.pixel.high95 =
+      result.pixel.variance + std::hypot(result.pixel.high95 - result.pixel.variance, k95_sd * rounding_sd);
+  result.pixel.sd = std::hypot(result.pixel.sd, rounding_sd);
   // Of a given pattern a mean square is chi-square about it: variance (2 a^2 + 4 a b)/dof with a temporal and b fixed.
   const auto sd_array = [](double a, double mean_square, double dof, double divisor) {
     return std::sqrt((2.0 * a * a + 4.0 * a * std::max(0.0, mean_square - a)) / dof) / divisor;
@@ -183,9 +190,12 @@ mtf::Image pattern_map(mtf::ImageView<const float> plane, const PlaneSquares& sq
       map.at(x, y) = static_cast<float>(pixel * squares.deviation(plane, x, y) +
                                         row * (squares.row_means[static_cast<std::size_t>(y)] - mean) +
                                         column * squares.column_means[static_cast<std::size_t>(x)]);
-  for (const Defect& defect : squares.defects)
+  double left = mtf::statistics(map.view()).mean * static_cast<double>(map.size());
+  for (const Defect& defect : squares.defects) {
+    left -= static_cast<double>(map.at(defect.x, defect.y));
     map.at(defect.x, defect.y) += static_cast<float>((1.0 - pixel) * defect.excess);
-  const double left = mtf::statistics(map.view()).mean;
+  }
+  left /= static_cast<double>(map.size() - std::ssize(squares.defects));
   for (std::int64_t i = 0; i < map.size(); ++i) map.data()[i] -= static_cast<float>(left);
   return map;
 }

@@ -34,6 +34,7 @@ struct PlaneSquares {
   double rows = 0.0, columns = 0.0;  ///< V, H
   double pixel = 0.0, row = 0.0, column = 0.0;
   double pixel_dof = 0.0, row_dof = 0.0, column_dof = 0.0;
+  double far = 0.0;                             ///< deviation from which on a pixel is a defect
   double skewness = 0.0, kurtosis = 0.0;        ///< of the pixels that are no defects; 0 and 3 are normal
   std::vector<Defect> defects;                  ///< along rows
   std::vector<double> row_means, column_means;  ///< without the defects; the columns about the mean
@@ -55,7 +56,8 @@ void warn_of_shape(const std::string& name, const PlaneSquares& plane, std::vect
 /// A stack whose mean frame is in the plane.
 struct AveragedStack {
   radiometry::MeanSquares squares;
-  double pattern = 0.0;  ///< R, counts^2
+  double pattern = 0.0;     ///< R, and what slow noise moves its pixels by beyond MS_tvh/T (slow_noise.h), counts^2
+  double pattern_sd = 0.0;  ///< of that
 };
 
 struct Pattern {
@@ -69,8 +71,9 @@ Pattern pattern_of(const PlaneSquares& plane, const std::vector<AveragedStack>& 
 struct PatternRms {
   double pixel = 0.0, row = 0.0, column = 0.0;
 };
-/// The pattern without its mean, as a map: what a plane shows is larger by what is left of temporal noise, so the
-/// deviations of pixels, rows and columns are each shrunk to the rms that was found. Defects stay as they are.
+/// The pattern without the mean of the pixels that are no defects, as a map: what a plane shows is larger by what is
+/// left of temporal noise, so the deviations of pixels, rows and columns are each shrunk to the rms that was found.
+/// Defects stay as they are.
 mtf::Image pattern_map(mtf::ImageView<const float> plane, const PlaneSquares& squares, const PatternRms& found);
 
 }  // namespace calib

@@ -58,6 +58,7 @@ StackSummary summary_of(const StackStatistics& stack) {
   s.von_neumann = stack.von_neumann();
   s.drift = stack.drift();
   s.step = stack.step();
+  s.noise = stack.noise_scales();
   s.pattern = mtf::Image(stack.width(), stack.height());
   for (std::int64_t i = 0; i < s.pattern.size(); ++i)
     s.pattern.data()[i] = static_cast<float>(stack.pixel_mean(i) - s.mean);

@@ -106,12 +106,18 @@ struct StackStatistics::Part {
 
 StackStatistics::StackStatistics(std::int64_t width, std::int64_t height, CountRange range)
     // The scatter of a million pixels is known well enough; an odd step meets rows of either parity.
-    : width_(width), height_(height), range_(range), every_((width * height >> 20) | 1) {
+    : width_(width),
+      height_(height),
+      range_(range),
+      every_((width * height >> 20) | 1),
+      scale_every_((width * height >> 18) | 1),
+      frame_scales_(1) {
   if (width < 2 || height < 2)
     throw mtf::UsageError("frames of " + std::to_string(width) + " x " + std::to_string(height) +
                           " pixels; at least two columns and two rows are needed");
   sum_.assign(static_cast<std::size_t>(pixels()), 0.0);
   squares_.assign(static_cast<std::size_t>((height_ + every_ - 1) / every_ * width_), 0.0);
+  scales_ = TimeScales((height_ + scale_every_ - 1) / scale_every_ * width_);
   before_.resize(squares_.size());
 }
 
@@ -130,6 +136,7 @@ void StackStatistics::add(std::span<const mtf::ImageView<const float>> frames, i
       for (std::int64_t x = 0; x < width_; ++x) sum += static_cast<double>(frames[0].at(x, y));
     reference_ = std::floor(sum / static_cast<double>(pixels()));
   }
+  for (TimeScales* const scales : {&scales_, &frame_scales_}) scales->reserve(frames_ + std::ssize(frames));
   const std::vector<Part> parts = reduce(frames, threads);
   const std::size_t blocks = parts.size() / frames.size();
   for (std::size_t f = 0; f < frames.size(); ++f) {
@@ -178,6 +185,9 @@ std::vector<StackStatistics::Part> StackStatistics::reduce(std::span<const mtf::
         sum_row(std::array<const double*, 3>{line(y), line(y + 2), line(y + 1)}.data(), width_, sums.data());
         for (std::size_t j = 0; j < sums.size(); ++j) part.sums[j] += sums[j];
         part.row_squares += static_cast<long double>(sums[0]) * sums[0];
+        if (y % scale_every_ == 0)
+          scales_.add(y / scale_every_ * width_, {line(y), static_cast<std::size_t>(width_)},
+                      frames_ + static_cast<std::int64_t>(f));
         if (!kept) continue;
         float* const before = before_.data() + y / every_ * width_;
         if (f > 0 || frames_ > 0)
@@ -208,6 +218,8 @@ void StackStatistics::take(std::span<const Part> frame) {
   const auto sum = static_cast<double>(total);
   if (frames_ > 0) step_squares_ += (static_cast<long double>(sum) - last_) * (static_cast<long double>(sum) - last_);
   last_ = sum;
+  const double mean = sum / static_cast<double>(pixels());
+  frame_scales_.add(0, {&mean, 1}, frames_);
   total_ += total;
   moment_ += total * static_cast<long double>(frames_);
   ++frames_;
@@ -301,6 +313,13 @@ std::int64_t StackStatistics::pixels_above(double variance) const {
   std::int64_t above = 0;
   for (std::int64_t i = 0; i < pixels_kept(); ++i) above += kept_variance(i) > variance ? 1 : 0;
   return above;
+}
+
+NoiseScales StackStatistics::noise_scales() const {
+  NoiseScales noise{.pixels = scales_.squares(frames_), .frames = frames_, .rows_apart = scale_every_};
+  for (const std::vector<float>& one : frame_scales_.squares(frames_))
+    noise.frame.push_back(static_cast<double>(one.front()));
+  return noise;
 }
 
 std::uint32_t StackStatistics::step() const {

@@ -21,6 +21,7 @@
 #include <span>
 #include <vector>
 
+#include "calib/characterize/time_scales.h"
 #include "mtf/image.h"
 #include "radiometry/stages/noise/mean_squares.h"
 
@@ -83,6 +84,8 @@ class StackStatistics {
   /// Of the pixels whose squares are kept: those whose variance is above it, and how many there are.
   std::int64_t pixels_above(double variance) const;
   std::int64_t pixels_kept() const { return static_cast<std::int64_t>(squares_.size()); }
+  /// The noise of pixels by the time over which it changes; of frames above half a million pixels in some of the rows.
+  NoiseScales noise_scales() const;
 
   /// Parts of all values that are at the ends of the range.
   double share_low() const { return share(low_); }
@@ -110,6 +113,8 @@ class StackStatistics {
   double reference_ = 0.0;
   std::int64_t every_;                 ///< row has its squares kept
   std::vector<double> sum_, squares_;  ///< of pixels
+  std::int64_t scale_every_;           ///< row is in the scales of time
+  TimeScales scales_, frame_scales_;   ///< of those pixels, and of the means of frames
   std::vector<float> before_;          ///< the rows of the latest frame whose squares are kept
   std::array<long double, kLags.size()> products_{};
   long double total_ = 0.0L, all_squares_ = 0.0L, frame_squares_ = 0.0L, row_squares_ = 0.0L, column_squares_ = 0.0L;

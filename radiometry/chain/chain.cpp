@@ -214,6 +214,7 @@ CompiledChain::CompiledChain(const mtf::SensorPlan& filters, const mtf::System<d
     set_thermal_noise(*this, sensor);
   else
     read_e = std::hypot(settings.detector->read_e, reset_e_of(*settings.detector), settings.detector->other_e);
+  if (!settings.thermal && settings.frame_flicker) slow = settings.frame_flicker->noise();
   gain = radiometry::electrons_per_radiance(camera, pixel);
   focal_length_mm = system.frame.focal_length_mm;
   detector = focal_plane(system.frame.columns > 0 ? system.frame.columns : columns,

@@ -209,10 +209,16 @@ bool is_spectral(std::string_view path) {
 }
 
 double kept_of_flicker(const SensorSettings& settings, int frames) {
-  const ThermalSettings& thermal = *settings.thermal;
-  if (!thermal.corner_hz || !settings.frame || !settings.frame->frame_time_s) return 0.0;
-  const double frame_time_s = *settings.frame->frame_time_s;
-  const FrameFlicker unit{1.0, *thermal.lowest_hz * frame_time_s, *thermal.bandwidth_hz * frame_time_s};
+  FrameFlicker unit;
+  if (settings.thermal) {
+    const ThermalSettings& thermal = *settings.thermal;
+    if (!thermal.corner_hz || !settings.frame || !settings.frame->frame_time_s) return 0.0;
+    const double frame_time_s = *settings.frame->frame_time_s;
+    unit = {1.0, *thermal.lowest_hz * frame_time_s, *thermal.bandwidth_hz * frame_time_s};
+  } else {
+    if (!settings.frame_flicker || !(settings.frame_flicker->octave_e > 0.0)) return 0.0;
+    unit = settings.frame_flicker->noise();
+  }
   return frame_flicker_mean_variance(unit, frames) / frame_flicker_variance(unit);
 }
 

@@ -201,7 +201,7 @@ struct CompiledChain {
                             ///< but for `events`, which take them off after the lag
   double dark_e = 0.0;      ///< mean electrons of the dark current
   double read_e = 0.0;      ///< rms of read, reset and other noise, or of a thermal pixel and its readout
-  FrameFlicker slow;        ///< 1/f noise of a thermal pixel from frame to frame; strength 0: none
+  FrameFlicker slow;        ///< 1/f noise of a pixel from frame to frame; strength 0: none
   SpectralCamera curves;
   CameraEmission emission;              ///< of frame 0
   std::optional<ShutterEvents> events;  ///< of a thermal camera whose shutter closes now and then

@@ -78,12 +78,17 @@ std::optional<FlatFrames<S>> flat_frames(const SensorSettings& settings, const P
                                          const Overrides<S>& numbers) {
   const CorrectionSettings& correction = *settings.correction;
   const S frame_wide = numbers("noise_3d.t", settings.noise_3d.value_or(Noise3d{}).t);
+  const S slow = slow_variance(settings, numbers);
+  const int frames = correction.frames;
+  const double one = kept_of_flicker(settings, frames), both = kept_of_flicker(settings, 2 * frames);
   FlatFrames<S> flats{.low_e = S(correction.low) * pixel.full_well_e - lost_e,
                       .high_e = S(correction.high) * pixel.full_well_e - lost_e,
                       .dark_e = electrons.dark_e,
                       .full_well_e = pixel.full_well_e,
-                      .variance = budget.floor_e * budget.floor_e - electrons.dark_e - frame_wide * frame_wide,
-                      .frames = static_cast<double>(correction.frames),
+                      .variance = budget.floor_e * budget.floor_e - electrons.dark_e - frame_wide * frame_wide +
+                                  slow * S(frames * one - 1.0),
+                      .frames = static_cast<double>(frames),
+                      .shared = slow * S(2.0 * both - one),
                       .response = settings.nonlinearity.value_or(Nonlinearity{})};
   const S background = electrons.optics_e + electrons.stop_e + electrons.dark_e;
   if (mtf::value_of(flats.low_e) < mtf::value_of(background)) return std::nullopt;

@@ -129,7 +129,7 @@ ThermalNoise<S> thermal_noise(const ThermalSettings& s, const S& area_m2, const 
 }
 
 /// The numbers that the functions below read from overrides.
-inline constexpr std::array<std::string_view, 35> kBudgetNumbers{"optics.transmission",
+inline constexpr std::array<std::string_view, 36> kBudgetNumbers{"optics.transmission",
                                                                  "optics.cold_transmission",
                                                                  "optics.emissivity",
                                                                  "optics.obscuration_emissivity",
@@ -147,6 +147,7 @@ inline constexpr std::array<std::string_view, 35> kBudgetNumbers{"optics.transmi
                                                                  "adc.electrons_per_count",
                                                                  "adc.volts_per_count",
                                                                  "adc.offset",
+                                                                 "frame_flicker.octave",
                                                                  "noise.row",
                                                                  "noise.column",
                                                                  "noise.fixed_row",
@@ -303,6 +304,14 @@ S thermal_volts(const SensorSettings& settings, const Pixel<S>& pixel, const The
   return detail::root(scale) * step * mtf::lift(noise_before_rounding(mtf::value_of(whole2)), whole2);
 }
 
+/// Variance of a photon detector's 1/f noise from frame to frame.
+template <class S>
+S slow_variance(const SensorSettings& settings, const Overrides<S>& numbers) {
+  const FlickerOctaves given = settings.frame_flicker.value_or(FlickerOctaves{});
+  const S octave = numbers("frame_flicker.octave", given.octave_e);
+  return octave * octave * S(given.octaves());
+}
+
 /// All temporal and spatial terms. `flicker_e`: rms of the 1/f noise over the detector. `reference`: of a thermal
 /// detector.
 template <class S>
@@ -328,9 +337,10 @@ NoiseTerms<S> noise_numbers(const SensorSettings& settings, const Pixel<S>& pixe
                                  : numbers("detector.read_noise", detector.read_e),
       .reset_e = reset_e,
       .other_e = root_sum({numbers("detector.other_noise", detector.other_e), S(flicker_e),
-                           numbers("noise.row", lines.row_e), numbers("noise.column", lines.column_e),
-                           numbers("noise_3d.t", cube.t), numbers("noise_3d.tv", cube.tv),
-                           numbers("noise_3d.th", cube.th), numbers("noise_3d.tvh", cube.tvh)}),
+                           detail::root(slow_variance(settings, numbers)), numbers("noise.row", lines.row_e),
+                           numbers("noise.column", lines.column_e), numbers("noise_3d.t", cube.t),
+                           numbers("noise_3d.tv", cube.tv), numbers("noise_3d.th", cube.th),
+                           numbers("noise_3d.tvh", cube.tvh)}),
       .step_e = electrons_per_count(settings, pixel.full_well_e, numbers),
       .prnu =
           root_sum({numbers("nonuniformity.prnu", unequal.prnu), numbers("nonuniformity.prnu_row", unequal.prnu_row),

@@ -24,6 +24,7 @@
 #include "radiometry/stages/noise/blinking.h"
 #include "radiometry/stages/noise/fixed_pattern.h"
 #include "radiometry/stages/noise/flicker.h"
+#include "radiometry/stages/noise/frame_flicker.h"
 #include "radiometry/stages/noise/noise_3d.h"
 #include "radiometry/stages/optics/distortion.h"
 #include "radiometry/stages/optics/narcissus.h"
@@ -265,6 +266,7 @@ struct SensorSettings {
   std::optional<Blooming> blooming;
   std::optional<NoiseSettings> noise;
   std::optional<Flicker> flicker;
+  std::optional<FlickerOctaves> frame_flicker;
   std::optional<Noise3d> noise_3d;
   std::optional<Nonlinearity> nonlinearity;
   std::optional<AdcSettings> adc;
@@ -297,6 +299,7 @@ struct SensorSettings {
         SensorTable{"blooming", "where charge above the full well goes", &SensorSettings::blooming},
         SensorTable{"noise", "seed, shot noise, noise of rows and columns", &SensorSettings::noise},
         SensorTable{"flicker", "1/f noise of the readout", &SensorSettings::flicker},
+        SensorTable{"frame_flicker", "1/f noise of every pixel from frame to frame", &SensorSettings::frame_flicker},
         SensorTable{"noise_3d", "the seven components of 3-D noise", &SensorSettings::noise_3d},
         SensorTable{"nonlinearity", "response that is not proportional to the charge", &SensorSettings::nonlinearity},
         SensorTable{"adc", "from electrons to counts", &SensorSettings::adc},

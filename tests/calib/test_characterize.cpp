@@ -56,9 +56,9 @@ Array array_of(const Camera& camera, Engine& engine) {
     a.response.push_back((1.0 + camera.prnu * normal(engine)) * (1.0 + camera.shading * x));
     a.offset_e.push_back(camera.dsnu_e * normal(engine) + rows[static_cast<std::size_t>(i / kSide)]);
     a.dark.push_back(std::max(0.0, 1.0 + camera.dcnu * normal(engine)));
-    if (std::uniform_real_distribution<double>()(engine) < camera.hot_share) a.offset_e.back() += 100.0 * camera.read_e;
     a.mean_response += a.response.back() / (kSide * kSide);
     a.mean_offset_e += a.offset_e.back() / (kSide * kSide);
+    if (std::uniform_real_distribution<double>()(engine) < camera.hot_share) a.offset_e.back() += 100.0 * camera.read_e;
   }
   return a;
 }

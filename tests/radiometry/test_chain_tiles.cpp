@@ -34,6 +34,7 @@ Sensor pixelwise_sensor() {
   s.blinking = Blinking{.fraction = 0.05, .excess_e = 4e5};
   s.nonlinearity = Nonlinearity{.a2 = -0.05};
   s.flicker = Flicker{.white_e = 500.0, .corner_cy_px = 0.05};
+  s.frame_flicker = FlickerOctaves{.octave_e = 200.0};
   s.noise->fixed_row_e = 70.0;
   s.noise->fixed_column_e = 80.0;
   s.noise_3d = Noise3d{.t = 90.0, .v = 20.0, .h = 30.0, .tv = 40.0, .th = 50.0, .vh = 60.0, .tvh = 70.0};

@@ -141,6 +141,39 @@ TEST(SensorBudget, spatial_noise_is_what_the_corrected_chain_leaves) {
   }
 }
 
+// 1/f noise that goes on from frame to frame: in one frame it counts whole, and the means of flat frames keep more of
+// it than one over their number. Frames far apart share what these means have left; 16384 pixels know that to 1.5 %.
+TEST(SensorBudget, slow_noise_counts_in_frames_and_outlasts_the_flat_ones) {
+  Sensor sensor = noisy_sensor();
+  sensor.settings.nonuniformity.reset();
+  sensor.settings.noise = NoiseSettings{.seed = 4};
+  sensor.settings.frame_flicker = FlickerOctaves{.octave_e = 2e4, .lowest_cy_frame = 1e-3};
+  const SpectralNumbers<double> spectral = spectral_numbers(sensor, sensor.path, 305.0);
+  const auto light = static_cast<float>(spectral.radiances.scene + spectral.radiances.path);
+  const auto frame = [&](std::uint32_t number, OutputStage stage) {
+    return make_chain(mwir_system(), sensor, 128, 128, 15.0).run(test::flat(128, 128, light), number, stage).image;
+  };
+  const auto shared_e = [](const mtf::Image& a, const mtf::Image& b) {
+    double products = 0.0, of_a = 0.0, of_b = 0.0;
+    for (std::int64_t i = 0; i < a.size(); ++i) {
+      const auto x = static_cast<double>(a.data()[i]), y = static_cast<double>(b.data()[i]);
+      products += x * y, of_a += x, of_b += y;
+    }
+    const auto n = static_cast<double>(a.size());
+    return 450.0 * std::sqrt(products / n - of_a / n * (of_b / n));
+  };
+  const mtf::Image one = frame(0, OutputStage::dn);
+  EXPECT_NEAR(shared_e(one, one) / budget_of(mwir_system(), sensor, 305.0).temporal_e, 1.0, 0.03);
+  sensor.settings.correction = CorrectionSettings{.low = 0.2, .high = 0.6, .frames = 16, .replace_bad = false};
+  const Budget<double> budget = budget_of(mwir_system(), sensor, 305.0);
+  EXPECT_NEAR(
+      shared_e(frame(1000000, OutputStage::display), frame(2000000, OutputStage::display)) / budget.correction_e, 1.0,
+      0.06);
+  EXPECT_GT(budget.correction_e, 2.0 * budget.temporal_e / std::sqrt(16.0));
+  sensor.settings.microscan = Microscan{};
+  expect_refused({"[frame_flicker]", "[microscan]"}, [&] { require_consistent(mwir_system(), sensor); });
+}
+
 // Rows and columns of a responsivity of their own: in the budget with the pixels', in frames as whole lines.
 TEST(SensorBudget, prnu_of_rows_and_columns_counts_with_that_of_pixels) {
   Sensor sensor = noisy_sensor();

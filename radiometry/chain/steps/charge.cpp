@@ -177,8 +177,30 @@ std::span<const StageRow> charge_rows() {
        .step = [](FrameRun& run, mtf::Image& electrons) -> void {
          add_gaussian(electrons.view(), run.chain.read_e, run.key, Stream::read, run.maps.origin(), run.threads,
                       run.noise_rows);
-         if (run.chain.slow.strength > 0.0)
-           add_frame_flicker(electrons.view(), run.chain.slow, run.key, run.maps.origin(), run.threads, run.noise_rows);
+         run.frame.noise_rows = run.noise_rows;
+       }},
+      {.name = "1/f noise from frame to frame",
+       .timing = "read",
+       .require = [](const System&, const Sensor& sensor) -> void {
+         if (!sensor.settings.frame_flicker) return;
+         if (sensor.settings.thermal)
+           refuse("[frame_flicker]",
+                  "of a thermal detector, whose 1/f noise is detector.corner and lowest_frequency; remove it");
+         if (sensor.settings.microscan)
+           refuse("[frame_flicker]",
+                  "1/f noise between the positions of [microscan] is not modelled; remove one of the two");
+       },
+       .words = [](const System&, const Sensor& sensor) -> StageWords {
+         const SensorSettings& s = sensor.settings;
+         if (!s.noise) return {false, "no [noise]"};
+         if (s.thermal)
+           return said(s.thermal->corner_hz ? "corner at " + rounded(*s.thermal->corner_hz) + " Hz" : "",
+                       "no corner in [detector]");
+         return said(terms({{"octave", s.frame_flicker ? s.frame_flicker->octave_e : 0.0}}, "e- rms"),
+                     "no octave in [frame_flicker]");
+       },
+       .step = [](FrameRun& run, mtf::Image& electrons) -> void {
+         add_frame_flicker(electrons.view(), run.chain.slow, run.key, run.maps.origin(), run.threads, run.noise_rows);
          run.frame.noise_rows = run.noise_rows;
        }},
       {.name = "1/f noise",

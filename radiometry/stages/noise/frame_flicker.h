@@ -12,6 +12,10 @@
 // next to the Nyquist frequency. Below `lowest` it is flat. Each number is that of its pixel and frame: any region,
 // order or number of threads gives the same ones.
 
+#include <cmath>
+#include <numbers>
+
+#include "radiometry/fields.h"
 #include "radiometry/stages/noise/noise.h"
 
 namespace radiometry {
@@ -19,6 +23,21 @@ namespace radiometry {
 struct FrameFlicker {
   double strength = 0.0;               ///< K, the square of the unit of the image
   double lowest = 0.0, highest = 0.0;  ///< cycles per frame
+};
+
+/// That of a photon detector, as a sensor file has it: by octaves, up to half a cycle per frame.
+struct FlickerOctaves {
+  double octave_e = 0.0, lowest_cy_frame = 1e-4;
+
+  static constexpr auto fields() {
+    return std::tuple{optional(&FlickerOctaves::octave_e, "octave", "e-", 0.0, 1e15, "\"2 e-\"",
+                               "rms of the noise in each octave of frequencies, up to half a cycle per frame"),
+                      optional(&FlickerOctaves::lowest_cy_frame, "lowest", 1e-9, 0.25, "0.0001",
+                               "frequency in cycles per frame below which the spectrum is flat")};
+  }
+
+  double octaves() const { return std::log2(0.5 / lowest_cy_frame); }
+  FrameFlicker noise() const { return {octave_e * octave_e / std::numbers::ln2, lowest_cy_frame, 0.5}; }
 };
 
 double frame_flicker_variance(const FrameFlicker& noise);

@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Pixels that are not like the others: cameras of known defects, drawn with random numbers of the standard library, and
+// how often the intervals of what is found of them hold.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <random>
+
+#include "calib/characterize/characterize.h"
+#include "radiometry/stages/noise/fixed_pattern.h"
+#include "radiometry/stages/noise/frame_flicker.h"
+#include "radiometry/stages/noise/noise.h"
+
+namespace calib {
+namespace {
+
+constexpr std::int64_t kPixelSide = 48;
+constexpr std::size_t kPixels = kPixelSide * kPixelSide;
+using Random = std::mt19937_64;
+
+struct PixelCamera {
+  double gain = 0.5, read_e = 3.0, offset = 100.2, rate = 3000.0, prnu = 0.01, dsnu_e = 3.0, side = 0.0;
+  double hot_share = 0.0, hot_e = 0.0, dead_share = 0.0;
+  bool equally_hot = false;                    ///< all have hot_e, where it is their mean
+  double octave_e = 0.0, lowest = 0.1 / 64.0;  ///< 1/f noise from frame to frame
+  double lasting = 0.0;                        ///< correlation of successive frames' read noise
+};
+
+/// 1/f noise of a pixel: two lines in each octave, whose frequency is somewhere in its half, with normal amplitudes.
+/// The spectrum of all pixels is 1/f from the lowest to half a cycle.
+std::vector<double> slow_series(const PixelCamera& camera, int frames, Random& random) {
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> uniform;
+  std::vector<double> series(static_cast<std::size_t>(frames), 0.0);
+  if (!(camera.octave_e > 0.0)) return series;
+  const double octaves = std::log2(0.5 / camera.lowest), lines = std::ceil(2.0 * octaves);
+  for (double line = 0.0; line < lines; ++line) {
+    const double turn = 2.0 * std::numbers::pi * camera.lowest * std::exp2(octaves * (line + uniform(random)) / lines);
+    const double rms = camera.octave_e * std::sqrt(octaves / lines), c = std::cos(turn), s = std::sin(turn);
+    double a = rms * normal(random), b = rms * normal(random);
+    for (double& value : series) {
+      value += a;
+      const double next = c * a - s * b;
+      b = s * a + c * b;
+      a = next;
+    }
+  }
+  return series;
+}
+
+struct PixelArray {
+  std::vector<double> response, offset_e, hot_e;
+  double mean_response = 0.0, mean_offset_e = 0.0;  ///< of those that are not dead, of all
+};
+
+PixelArray array_of(const PixelCamera& camera, Random& random) {
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> uniform;
+  PixelArray a;
+  double alive = 0.0;
+  for (std::size_t i = 0; i < kPixels; ++i) {
+    const double u = uniform(random), response = 1.0 + camera.prnu * normal(random);
+    const bool dead = u < camera.dead_share, hot = !dead && u < camera.dead_share + camera.hot_share;
+    a.response.push_back(dead ? 0.0 : response);
+    a.offset_e.push_back(camera.dsnu_e * normal(random));
+    a.hot_e.push_back(!hot                 ? 0.0
+                      : camera.equally_hot ? camera.hot_e
+                                           : std::exponential_distribution<double>(1.0 / camera.hot_e)(random));
+    alive += dead ? 0.0 : 1.0;
+    a.mean_response += a.response.back();
+    a.mean_offset_e += a.offset_e.back() / kPixels;
+  }
+  a.mean_response /= alive;
+  return a;
+}
+
+Stack frames_of(const PixelCamera& camera, const PixelArray& array, double light, int frames, Random& random) {
+  std::normal_distribution<double> normal;
+  StackStatistics sums(kPixelSide, kPixelSide, {.low = 0.0, .high = 16383.0});
+  std::vector<double> e(kPixels), noise(kPixels, 0.0);
+  std::vector<std::vector<double>> slow;
+  for (std::size_t i = 0; i < kPixels; ++i) slow.push_back(slow_series(camera, frames, random));
+  mtf::Image frame(kPixelSide, kPixelSide);
+  for (int t = 0; t < frames; ++t) {
+    for (std::size_t i = 0; i < kPixels; ++i) {
+      const double mean = camera.rate * light * array.response[i] + array.hot_e[i];
+      e[i] = mean > 0.0 ? std::poisson_distribution<int>(mean)(random) : 0.0;
+    }
+    for (std::int64_t y = 0, i = 0; y < kPixelSide; ++y)
+      for (std::int64_t x = 0; x < kPixelSide; ++x, ++i) {
+        const auto at = [&](std::int64_t dx, std::int64_t dy) {
+          return e[static_cast<std::size_t>((y + dy + kPixelSide) % kPixelSide * kPixelSide +
+                                            (x + dx + kPixelSide) % kPixelSide)];
+        };
+        const double s = camera.side, r = t > 0 ? camera.lasting : 0.0;
+        double& lasts = noise[static_cast<std::size_t>(i)];
+        lasts = r * lasts + std::sqrt(1.0 - r * r) * camera.read_e * normal(random);
+        const double out = (1.0 - 4.0 * s) * at(0, 0) + s * (at(1, 0) + at(-1, 0) + at(0, 1) + at(0, -1)) +
+                           array.offset_e[static_cast<std::size_t>(i)] + lasts +
+                           slow[static_cast<std::size_t>(i)][static_cast<std::size_t>(t)];
+        frame.data()[i] = static_cast<float>(std::floor(camera.gain * out + camera.offset + 0.5));
+      }
+    sums.add(frame.view());
+  }
+  return {.name = light > 0.0 ? "light" : "dark", .light = light, .sums = summary_of(sums)};
+}
+
+Characterization found_of(const PixelCamera& camera, const PixelArray& array, Random& random, int dark_frames = 8) {
+  std::vector<Stack> stacks;
+  for (const double light : {0.0, 0.25, 0.5, 1.0, 2.0, 4.0})
+    stacks.push_back(frames_of(camera, array, light, light > 0.0 ? 8 : dark_frames, random));
+  return characterize(std::move(stacks), {});
+}
+
+/// Of how many draws, each a new array, the 95 % intervals hold the truth.
+template <class Truth>
+void expect_held(const PixelCamera& camera, int draws, int dark_frames, const Truth& truth_of) {
+  std::map<std::string, int> held;
+  std::map<std::string, double> error, squares;
+  int misfits = 0;
+  for (int draw = 0; draw < draws; ++draw) {
+    Random random(static_cast<std::uint64_t>(1000 + draw));
+    const PixelArray array = array_of(camera, random);
+    const Characterization found = found_of(camera, array, random, dark_frames);
+    misfits += found.misfit ? 1 : 0;
+    std::map<std::string, double> truth = truth_of(array);
+    truth.insert({{"electrons_per_count", 1.0 / camera.gain},
+                  {"read_noise", camera.read_e},
+                  {"offset", camera.offset + camera.gain * array.mean_offset_e},
+                  {"rate", camera.rate * array.mean_response},
+                  {"dsnu", camera.dsnu_e},
+                  {"prnu", camera.prnu}});
+    for (const auto& [name, value] : truth) {
+      const Finding* f = found.find(name);
+      ASSERT_NE(f, nullptr) << name;
+      ASSERT_NE(f->verdict, Verdict::not_determined) << name << ": " << f->why;
+      held[name] += f->low95 <= value && value <= f->high95 ? 1 : 0;
+      error[name] += (f->value - value) / draws;
+      squares[name] += (f->value - value) * (f->value - value) / draws;
+    }
+  }
+  EXPECT_LE(misfits, 2);
+  for (const auto& [name, count] : held) {
+    testing::Test::RecordProperty(name, count);
+    EXPECT_GE(count, draws * 95 / 100 - static_cast<int>(4.2 * std::sqrt(draws * 0.95 * 0.05))) << name;
+    const double sd = std::sqrt(squares[name] - error[name] * error[name]);
+    EXPECT_LT(std::abs(error[name]), (0.25 + 3.0 / std::sqrt(draws)) * sd) << name;
+  }
+}
+
+bool warned(const Characterization& camera, const std::string& words) {
+  return std::ranges::any_of(camera.warnings, [&](const std::string& w) { return w.find(words) != std::string::npos; });
+}
+
+// The number of those of a fraction is binomial, so the interval of the fraction is that of the process; the offset,
+// the read noise and the responsivity are those of the other pixels. Of 120 draws 114 should hold, 104 is 4.2 sd less.
+TEST(CharacterizePixels, HotAndDeadOnes) {
+  for (const double side : {0.0, 0.02}) {
+    SCOPED_TRACE(side);
+    const PixelCamera camera{.side = side, .hot_share = 0.01, .hot_e = 200.0, .dead_share = 0.004};
+    expect_held(camera, 120, 8, [&](const PixelArray&) {
+      return std::map<std::string, double>{{"hot_fraction", 0.01}, {"hot_excess", 200.0}, {"dead_fraction", 0.004}};
+    });
+  }
+}
+
+TEST(CharacterizePixels, WhatTheTwinHasNot) {
+  Random random(5);
+  const auto found = [&](const PixelCamera& camera) { return found_of(camera, array_of(camera, random), random); };
+  const Characterization good = found({});
+  EXPECT_EQ(good.find("hot_fraction")->verdict, Verdict::upper_limit);
+  EXPECT_EQ(good.find("hot_excess")->verdict, Verdict::not_determined);
+  EXPECT_NEAR(good.find("dead_fraction")->high95, 3.689 / kPixels, 1e-6);  // no event: -ln 0.025
+  EXPECT_TRUE(good.warnings.empty()) << good.warnings.front();
+  EXPECT_FALSE(warned(found({.hot_share = 0.03, .hot_e = 300.0}), "not exponentially"));
+  EXPECT_TRUE(warned(found({.hot_share = 0.03, .hot_e = 300.0, .equally_hot = true}), "not exponentially"));
+  // A pixel that answers by nine tenths, beyond 4.5 sd of 1 %, and one that is cold.
+  PixelArray odd = array_of({}, random);
+  for (const std::size_t i : {100U, 700U, 1300U}) odd.response[i] = 0.9;
+  odd.offset_e[1900] = -60.0;
+  EXPECT_TRUE(warned(found_of({}, odd, random), "4 pixels are beyond 4.5 sd"));
+}
+
+// Read noise and DSNU are those without it. A corner at 0.3, one at 0.01 cycles per frame, and none.
+TEST(CharacterizePixels, NoiseOneOverF) {
+  for (const double octave_e : {2.0, 0.35}) {
+    SCOPED_TRACE(octave_e);
+    expect_held({.octave_e = octave_e}, 120, 64, [&](const PixelArray&) {
+      return std::map<std::string, double>{
+          {"flicker_octave", octave_e},
+          {"flicker_corner", 0.5 * octave_e * octave_e / std::numbers::ln2 / (9.0 + 1.0 / 12.0 / 0.25)}};
+    });
+  }
+  Random random(6);
+  const auto found = [&](const PixelCamera& camera, int frames) {
+    return found_of(camera, array_of(camera, random), random, frames);
+  };
+  const Characterization none = found({}, 64);
+  EXPECT_EQ(none.find("flicker_octave")->verdict, Verdict::upper_limit);
+  EXPECT_EQ(none.find("flicker_octave")->value, 0.0);
+  EXPECT_LT(none.find("flicker_octave")->high95, 0.35);
+  EXPECT_NE(found({}, 8).find("flicker_octave")->why.find("16 frames"), std::string::npos);
+  const Characterization lag = found({.lasting = 0.4}, 64);
+  EXPECT_NE(lag.find("flicker_octave")->why.find("not as 1/f noise"), std::string::npos);
+  EXPECT_TRUE(warned(lag, "correlated from frame to frame"));
+  EXPECT_FALSE(warned(found({.octave_e = 2.0}, 64), "correlated from frame to frame"));
+}
+
+// The chain's own noise and pixels, made by its stages: what is found are the numbers of its sensor file.
+TEST(CharacterizePixels, StagesOfTheChain) {
+  const radiometry::Defects defects{.dead_fraction = 0.01, .hot_fraction = 0.02, .hot_e = 300.0};
+  const radiometry::FlickerOctaves flicker{.octave_e = 1.5, .lowest_cy_frame = 0.1 / 64.0};
+  int held = 0;
+  constexpr int kDraws = 20;
+  for (std::uint64_t seed = 1; seed <= kDraws; ++seed) {
+    const auto found_defects = radiometry::find_defects(kPixelSide, kPixelSide, defects, seed);
+    mtf::Image offset(kPixelSide, kPixelSide);
+    radiometry::offset_map(offset.view(), 3.0, seed);
+    std::vector<Stack> stacks;
+    std::uint32_t number = 0;
+    for (const double light : {0.0, 1.0, 2.0, 4.0}) {
+      StackStatistics sums(kPixelSide, kPixelSide, {.low = 0.0, .high = 16383.0});
+      for (int t = 0; t < (light > 0.0 ? 8 : 64); ++t, ++number) {
+        mtf::Image frame(kPixelSide, kPixelSide);
+        std::fill_n(frame.data(), frame.size(), static_cast<float>(3000.0 * light));
+        radiometry::apply_defects(frame.view(), found_defects);
+        radiometry::shot_noise(frame.view(), {seed, number});
+        radiometry::add_map(frame.view(), offset.view());
+        radiometry::add_gaussian(frame.view(), 3.0, {seed, number}, radiometry::Stream::read);
+        radiometry::add_frame_flicker(frame.view(), flicker.noise(), {seed, number});
+        for (std::int64_t i = 0; i < frame.size(); ++i) frame.data()[i] = std::floor(0.5F * frame.data()[i] + 100.7F);
+        sums.add(frame.view());
+      }
+      stacks.push_back({.name = "stack", .light = light, .sums = summary_of(sums)});
+    }
+    const Characterization found = characterize(std::move(stacks), {});
+    for (const auto& [name, truth] :
+         {std::pair{"hot_fraction", 0.02}, std::pair{"hot_excess", 300.0}, std::pair{"dead_fraction", 0.01},
+          std::pair{"flicker_octave", 1.5}, std::pair{"read_noise", 3.0}, std::pair{"rate", 3000.0},
+          std::pair{"dsnu", 3.0}}) {
+      const Finding* f = found.find(name);
+      ASSERT_TRUE(f != nullptr && f->verdict == Verdict::determined) << name;
+      EXPECT_LT(std::abs(f->value - truth), 4.5 * f->sd) << name;
+      held += f->low95 <= truth && truth <= f->high95 ? 1 : 0;
+    }
+  }
+  EXPECT_GE(held, 7 * kDraws * 95 / 100 - 11);  // 4.2 sd of 140 intervals
+}
+
+}  // namespace
+}  // namespace calib
