@@ -106,7 +106,7 @@ struct StackStatistics::Part {
 
 StackStatistics::StackStatistics(std::int64_t width, std::int64_t height, CountRange range)
     // The scatter of a million pixels is known well enough; an odd step meets rows of either parity.
-    : width_(width), height_(height), range_(range), every_((width * height >> 20) | 1) {
+    : width_(width), height_(height), range_(range), every_((width * height >> 20) | 1), series_(width, height) {
   if (width < 2 || height < 2)
     throw mtf::UsageError("frames of " + std::to_string(width) + " x " + std::to_string(height) +
                           " pixels; at least two columns and two rows are needed");
@@ -141,6 +141,7 @@ void StackStatistics::add(std::span<const mtf::ImageView<const float>> frames, i
                             std::to_string(i % width_) + ", " + std::to_string(i / width_) + "; leave it out");
     }
     take(frame);
+    series_.add(frames[f], last_ / static_cast<double>(pixels()));
   }
 }
 
@@ -300,6 +301,13 @@ std::int64_t StackStatistics::pixels_above(double variance) const {
   std::int64_t above = 0;
   for (std::int64_t i = 0; i < pixels_kept(); ++i) above += kept_variance(i) > variance ? 1 : 0;
   return above;
+}
+
+std::map<int, std::int64_t> StackStatistics::pixels_by_variance(double mean, double bin) const {
+  std::map<int, std::int64_t> number;
+  for (std::int64_t i = 0; i < pixels_kept(); ++i)
+    if (const double v = kept_variance(i); v > 0.0) ++number[static_cast<int>(std::lround(std::log(v / mean) / bin))];
+  return number;
 }
 
 std::uint32_t StackStatistics::step() const {
