@@ -82,11 +82,14 @@ int run_characterize(const CharacterizeCommandOptions& options, const Global& gl
     emit(outputs.in("result.json"), json);
     emit(outputs.in("levels.csv"), levels_csv(camera));
   }
-  if (!options.out.empty() && !file.has_blackbodies()) {
+  if (!options.out.empty()) {
     const std::vector<PatternPlane> planes = pattern_planes(camera);
     emit(outputs.in("defects.csv"), defects_csv(planes));
-    const PageWords words{
-        .camera = found.name, .command = command_of(options), .left = found.sensor.left, .bits = bits};
+    const PageWords words{.camera = found.name,
+                          .command = command_of(options),
+                          .left = found.sensor.left,
+                          .bits = bits,
+                          .predicted = predicted_figures(camera, found.sensor.text, destination)};
     emit(outputs.in("report.html"), characterize_page(camera, planes, file, words));
     if (options.maps) {
       const PatternMaps maps = pattern_maps(camera, planes);

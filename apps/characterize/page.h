@@ -6,6 +6,7 @@
 
 #include "apps/characterize/pattern_planes.h"
 #include "apps/characterize/stacks_file.h"
+#include "apps/figures/plot.h"
 
 namespace apps {
 
@@ -15,6 +16,7 @@ struct PageWords {
   std::string command;              ///< that made it
   std::vector<std::string> left{};  ///< keys of the sensor file that hold nothing measured
   int bits = 0;
+  std::vector<Figure> predicted{};  ///< of the twin of a thermal camera
 };
 
 /// One page that needs nothing else: the numbers, and figures in the order of the summary sheet of EMVA 1288 (release
