@@ -487,6 +487,12 @@ BudgetTable budget_table(const mtf::io::SensorConfig& config, const LoadedSensor
   return table;
 }
 
+std::vector<Figure> minimum_temperature_figures(const mtf::io::SensorConfig& config, double temperature_k) {
+  const LoadedSensor loaded = load_chain(config);
+  const BudgetTable budget = budget_table(config, loaded, temperature_k);
+  return figures_of(at_its_place(config, [&] { return minimum_temperatures(config, loaded, budget.numbers); }));
+}
+
 std::string budget_text(const BudgetTable& budget, const Rows& rows) {
   TextTable table({"term", "value", "unit", "of variance", "what it is"});
   std::vector<std::string> zeros;

@@ -11,6 +11,8 @@
 
 namespace apps {
 
+struct Figure;  // apps/figures/plot.h
+
 struct BudgetTable {
   std::vector<radiometry::BudgetRow> rows;
   radiometry::Budget<double> numbers;  ///< that the rows are made of
@@ -23,6 +25,10 @@ struct BudgetTable {
 
 /// For a surface of that temperature. `loaded`: the chain of `config`. Throws UsageError with the place in the file.
 BudgetTable budget_table(const mtf::io::SensorConfig& config, const LoadedSensor& loaded, double temperature_k);
+
+/// MRTD against the frequency of bars and MDTD against the size of a square, before a surface of that temperature.
+/// Throws UsageError where the sensor has none.
+std::vector<Figure> minimum_temperature_figures(const mtf::io::SensorConfig& config, double temperature_k);
 
 /// Rows for people: in groups, those of the value 0 only named, then the largest terms in words. `rows`: those of the
 /// budget, and others.

@@ -185,4 +185,12 @@ CameraFile thermal_camera_file(calib::Characterization& camera, const StacksFile
   return file;
 }
 
+std::vector<Figure> predicted_figures(const calib::Characterization& camera, const std::string& twin,
+                                      const std::string& destination) {
+  const Finding* const mrtd = camera.find("mrtd");
+  if (mrtd == nullptr || mrtd->verdict != Verdict::predicted) return {};
+  const mtf::io::ConfigResult read = mtf::io::parse_config(twin, destination, sensor_schema());
+  return minimum_temperature_figures(without_path(read.config), camera.reference_k);
+}
+
 }  // namespace apps

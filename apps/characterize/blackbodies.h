@@ -6,6 +6,7 @@
 // [atmosphere] of the nominal have no part in it.
 
 #include "apps/characterize/camera_file.h"
+#include "apps/figures/plot.h"
 
 namespace apps {
 
@@ -23,5 +24,10 @@ bool is_thermal(const mtf::io::SensorConfig& nominal);
 /// detector there is no text: blackbodies do not part its gain from its light.
 CameraFile thermal_camera_file(calib::Characterization& camera, const StacksFile& stacks, mtf::io::SensorConfig nominal,
                                int bits, const std::string& destination);
+
+/// The curves of `mtf budget --curves` of the file `twin` at `destination`, for the reference temperature; none where
+/// MRTD is not predicted.
+std::vector<Figure> predicted_figures(const calib::Characterization& camera, const std::string& twin,
+                                      const std::string& destination);
 
 }  // namespace apps

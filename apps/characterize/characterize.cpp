@@ -91,10 +91,14 @@ int run_characterize(const CharacterizeCommandOptions& options, const Global& gl
   const std::string destination = options.out.empty() ? "sensor.toml" : options.out + "/sensor.toml";
   const FoundCamera found = find_camera(file, std::move(nominal), std::move(read), destination, options.maps);
   const calib::Characterization& camera = found.camera;
-  const bool has_page = !options.out.empty() && !file.has_blackbodies();
+  const bool has_page = !options.out.empty();
   const std::vector<PatternPlane> planes = has_page ? pattern_planes(camera) : std::vector<PatternPlane>();
   PageWords words{
-      .camera = found.name, .command = command_of(options), .left = not_measured(found.sensor), .bits = found.bits};
+      .camera = found.name,
+      .command = command_of(options),
+      .left = not_measured(found.sensor),
+      .bits = found.bits,
+      .predicted = has_page ? predicted_figures(camera, found.sensor.text, destination) : std::vector<Figure>()};
   Json report = found.report;
   std::vector<std::string> written;
   const auto write = [&](const std::string& name, const std::string& text) {

@@ -6,6 +6,7 @@
 
 #include "apps/characterize/pattern_planes.h"
 #include "apps/characterize/stacks_file.h"
+#include "apps/figures/plot.h"
 
 namespace apps {
 
@@ -16,6 +17,7 @@ struct PageWords {
   std::vector<std::string> left{};  ///< which keys of the sensor file hold nothing measured, as not_measured() says it
   std::string edges{};              ///< what they share with the frames, a sentence; "" without edges
   int bits = 0;
+  std::vector<Figure> predicted{};  ///< of the twin of a thermal camera
 };
 
 /// One page that needs nothing else: the numbers, and figures in the order of the summary sheet of EMVA 1288 (release

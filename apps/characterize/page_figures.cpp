@@ -8,6 +8,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "apps/characterize/number_words.h"
 #include "apps/text/message_words.h"
 #include "calib/characterize/line_spectrum.h"
 #include "calib/edge/median.h"
@@ -102,7 +103,7 @@ std::vector<Figure> transfer_figures(const Characterization& camera) {
   for (const double x : {used.x.front(), used.x.back()}) put(band, x, 0.0);
   band.low.assign(2, -calib::k95_sd);
   band.high.assign(2, calib::k95_sd);
-  Figure transfer = figure_of("Photon transfer", "mean (counts)", "temporal variance (counts^2)", {used, fit, out});
+  Figure transfer = figure_of("Variance over mean", "mean (counts)", "temporal variance (counts^2)", {used, fit, out});
   transfer.y_low = 0.0;
   Figure residuals = figure_of("Residuals of the fit", "mean (counts)", "measured - fit (standard deviations)",
                                {means, variances, band});
@@ -145,6 +146,30 @@ std::vector<Figure> response_figures(const Characterization& camera, const std::
   }
   return {figure_of("Response", light, "mean (counts)", {used, fit, out}),
           figure_of("Linearity error", light, "deviation from the line (%)", {error, curve, band})};
+}
+
+std::vector<Figure> sitf_figures(const Characterization& camera, const std::string& light) {
+  Series used = large_points("blackbodies of the fit"), out = large_points("left out"), fit{.name = "fit"};
+  Series error = large_points("blackbodies"), band{.name = "95 %"};
+  double most = 3.0;
+  for (std::size_t i = 0; i < camera.stacks.size(); ++i) {
+    const Stack& stack = camera.stacks[i];
+    put(camera.level_of[i] < 0 ? out : used, stack.light, stack.sums.mean);
+    if (camera.level_of[i] < 0) continue;
+    const calib::PhotonTransfer::Level& model = camera.transfer.levels[static_cast<std::size_t>(camera.level_of[i])];
+    put(fit, stack.light, model.mean);
+    put(error, stack.light, model.mean_z);
+    put(band, stack.light, 0.0);
+    most = std::max(most, 1.1 * std::abs(model.mean_z));
+  }
+  std::vector<Figure> figures{figure_of("Counts over radiance", light, "mean (counts)", {used, fit, out})};
+  if (camera.transfer.dof == 0) return figures;
+  band.low.assign(band.x.size(), -calib::k95_sd);
+  band.high.assign(band.x.size(), calib::k95_sd);
+  figures.push_back(figure_of("Residuals of the line", light, "measured - fit (standard deviations)", {error, band}));
+  figures.back().y_low = -most;
+  figures.back().y_high = most;
+  return figures;
 }
 
 Figure snr_figure(const Characterization& camera, const std::string& light, bool is_photons) {
@@ -204,7 +229,7 @@ std::vector<Figure> profile_figures(const Stack& stack, const std::string& name)
   std::vector<Figure> figures;
   for (const bool columns : {true, false}) {
     const std::int64_t n = columns ? plane.width() : plane.height(), across = plane.size() / n;
-    Series means{.name = "mean"};
+    Series means{.name = "mean, least to most"};
     for (std::int64_t from = 0, group = group_of(n); from < n; from += group) {
       const std::int64_t to = std::min(n, from + group);
       double sum = 0.0, low = HUGE_VAL, high = -HUGE_VAL;
@@ -219,7 +244,8 @@ std::vector<Figure> profile_figures(const Stack& stack, const std::string& name)
       means.low.push_back(low);
       means.high.push_back(high);
     }
-    Figure figure = figure_of("Profile of the " + name, columns ? "column" : "row", "counts", {means});
+    Figure figure = figure_of("Profile of the " + name + (columns ? " over columns" : " over rows"),
+                              columns ? "column" : "row", "counts", {means});
     const auto [low, high] = std::ranges::minmax(means.y);
     std::vector<double> lows = means.low, highs = means.high;
     const double room = 2.0 * std::min(low - calib::median(lows), calib::median(highs) - high);
@@ -271,18 +297,79 @@ std::vector<Figure> histogram_figures(const PatternPlane& p) {
   return figures;
 }
 
-std::string component_bars(const Stack& stack, double electrons_per_count) {
+std::string component_bars(const Characterization& camera, const Stack& stack) {
   using namespace radiometry;
+  const NoiseUnit unit = noise_unit(camera);
   std::vector<Bar> bars;
   for (const auto& [part, name] :
-       {std::pair{kTvh, "tvh: pixels, from frame to frame"}, std::pair{kTv, "tv: rows, from frame to frame"},
-        std::pair{kTh, "th: columns, from frame to frame"}, std::pair{kT, "t: whole frames"},
-        std::pair{kVh, "vh: pixels, fixed"}, std::pair{kV, "v: rows, fixed"}, std::pair{kH, "h: columns, fixed"}}) {
+       {std::pair{kTvh, "noise_tvh"}, std::pair{kTv, "noise_tv"}, std::pair{kTh, "noise_th"}, std::pair{kT, "noise_t"},
+        std::pair{kVh, "noise_vh"}, std::pair{kV, "noise_v"}, std::pair{kH, "noise_h"}}) {
     const calib::VarianceComponent c = calib::variance_component(stack.sums.squares, part);
-    const auto root = [&](double v) { return electrons_per_count * std::sqrt(std::max(0.0, v)); };
-    bars.push_back({.label = name, .value = root(c.variance), .interval = Ends{root(c.low95), root(c.high95)}});
+    const auto root = [&](double v) { return unit.per_count * std::sqrt(std::max(0.0, v)); };
+    Bar bar{.label = std::string(number_words(name)),
+            .value = root(c.variance),
+            .interval = Ends{root(c.low95), root(c.high95)}};
+    bar.label.pop_back();                                                   // the full stop
+    if (const calib::Finding* const f = camera.find(name); f != nullptr) {  // with the error of SiTF
+      bar.value = f->value;
+      bar.interval = Ends{f->low95, f->high95};
+    }
+    bars.push_back(std::move(bar));
   }
-  return svg_bars("Noise of " + stack.name, "electrons rms, with 95 % intervals", bars);
+  return svg_bars("Noise of " + stack.name, unit.name + " rms, with 95 % intervals", bars);
+}
+
+std::vector<Figure> time_figures(const Stack& stack, const NoiseUnit& unit) {
+  const calib::StackSummary& sums = stack.sums;
+  const radiometry::MeanSquares& squares = sums.squares;
+  const calib::TimeSpectra& spectra = sums.in_time;
+  const auto root = [&](double v) { return unit.per_count * std::sqrt(v); };
+  constexpr double kMany = 1e9;  // degrees of freedom: chi-square by F
+  const auto figure = [&](const std::string& title, const std::vector<double>& power, double white, double relative) {
+    Series measured = large_points("measured"), expected{.name = "white noise, 95 %"};
+    const auto n = std::ssize(power);
+    for (std::int64_t k = 1; k <= n;) {
+      const std::int64_t end = std::min(n + 1, std::max(k + 1, k * 5 / 4));
+      double sum = 0.0, dof = 0.0;
+      for (std::int64_t j = k; j < end; ++j) {
+        sum += power[static_cast<std::size_t>(j - 1)];
+        dof += (2 * j == spectra.length ? 1.0 : 2.0) * static_cast<double>(spectra.runs) / relative;
+      }
+      const double f = 0.5 * static_cast<double>(k + end - 1) / static_cast<double>(spectra.length);
+      put(measured, f, root(sum / static_cast<double>(end - k)));
+      put(expected, f, root(white));
+      expected.low.push_back(root(white * calib::f_quantile(0.025, dof, kMany)));
+      expected.high.push_back(root(white * calib::f_quantile(0.975, dof, kMany)));
+      k = end;
+    }
+    Figure f = figure_of(title + ": " + stack.name, "frequency (cycles per frame)",
+                         "root of the mean power (" + unit.name + " rms)", {expected, measured});
+    f.log_x = f.log_y = true;
+    return f;
+  };
+  const auto pixels = static_cast<double>(spectra.of_pixels);
+  const double variance = calib::pixel_variance(squares), V = squares.rows, H = squares.columns;
+  const double of_means =
+      (squares.value[radiometry::kTv] + squares.value[radiometry::kTh] - squares.value[radiometry::kTvh]) / (V * H);
+  std::vector<Figure> figures{
+      figure("Spectrum in time of pixels", spectra.pixels, variance,
+             variance_of_products(sums, pixels, std::min(V, pixels))),
+      figure("Spectrum in time of the means of frames", spectra.means, std::max(0.0, of_means), 1.0)};
+
+  Series found = large_points("pixels"), alike{.name = "were all alike"};
+  const double bin = calib::variance_bin(sums), dof = squares.frames - 1.0;
+  const auto share_above = [&](double k) { return calib::chi_square_tail(dof * std::exp(k * bin), dof); };
+  for (const auto& [k, count] : sums.by_variance)
+    put(found, root(variance * std::exp(k * bin)), static_cast<double>(count));
+  for (int k = -400; k <= 400; ++k)
+    if (const double count = static_cast<double>(sums.looked_at) * (share_above(k - 0.5) - share_above(k + 0.5));
+        count >= 0.5)
+      put(alike, root(variance * std::exp(k * bin)), count);
+  figures.push_back(figure_of("Temporal noise of pixels: " + stack.name, "noise of a pixel (" + unit.name + " rms)",
+                              "pixels in a bin", {found, alike}));
+  figures.back().log_x = figures.back().log_y = true;
+  figures.back().y_low = 0.5;
+  return figures;
 }
 
 Figure defect_figure(const std::vector<PatternPlane>& planes) {

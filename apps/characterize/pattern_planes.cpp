@@ -40,12 +40,32 @@ calib::PatternRms rms_of(const Characterization& camera, std::array<const char*,
 
 double PatternPlane::rms() const { return std::sqrt(std::max(0.0, squares.pixel - temporal2)); }
 
+NoiseUnit noise_unit(const Characterization& camera) {
+  return camera.reference_k > 0.0 ? NoiseUnit{"mK", 1e3 / camera.find("sitf")->value}
+                                  : NoiseUnit{"e-", camera.find("electrons_per_count")->value};
+}
+
+FitEnds fit_ends(const Characterization& camera) {
+  const auto& levels = camera.level_of;
+  const auto is_used = [](int level) { return level >= 0; };
+  return {
+      camera.stacks[static_cast<std::size_t>(std::ranges::find_if(levels, is_used) - levels.begin())],
+      camera
+          .stacks[static_cast<std::size_t>(levels.rend() - std::find_if(levels.rbegin(), levels.rend(), is_used) - 1)]};
+}
+
 std::vector<PatternPlane> pattern_planes(const Characterization& camera) {
   std::vector<PatternPlane> planes;
   if (camera.dark < 0) return planes;
+  const NoiseUnit unit = noise_unit(camera);
   const Stack& dark = camera.stacks[static_cast<std::size_t>(camera.dark)];
-  planes.push_back(scaled_plane("dark signal", "e-", dark, nullptr, camera.find("electrons_per_count")->value, 0));
-  if (camera.bright >= 0 && camera.bright_signal > 0.0)
+  const bool kelvin = camera.reference_k > 0.0;
+  planes.push_back(scaled_plane(kelvin ? "fixed pattern" : "dark signal", unit.name, dark, nullptr, unit.per_count, 0));
+  if (kelvin) {
+    const auto [cold, hot] = fit_ends(camera);
+    const auto& levels = camera.transfer.levels;
+    planes.push_back(scaled_plane("response", "%", hot, &cold, 100.0 / (levels.back().mean - levels.front().mean), 0));
+  } else if (camera.bright >= 0 && camera.bright_signal > 0.0)
     planes.push_back(scaled_plane("response", "%", camera.stacks[static_cast<std::size_t>(camera.bright)], &dark,
                                   100.0 / camera.bright_signal, camera.trend));
   return planes;

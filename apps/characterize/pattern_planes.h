@@ -11,8 +11,21 @@
 
 namespace apps {
 
+/// Of noise and patterns: electrons, or mK of blackbodies.
+struct NoiseUnit {
+  std::string name;
+  double per_count = 1.0;
+};
+NoiseUnit noise_unit(const calib::Characterization& camera);
+
+/// The stacks of the least and of the most light in the fit.
+struct FitEnds {
+  const calib::Stack &least, &most;
+};
+FitEnds fit_ends(const calib::Characterization& camera);
+
 struct PatternPlane {
-  std::string name, unit;  ///< "dark signal" in e-, "response" in %
+  std::string name, unit;  ///< "dark signal" or, of blackbodies, "fixed pattern" in a NoiseUnit; "response" in %
   mtf::Image plane{};      ///< about 0
   calib::PlaneSquares squares{};
   double temporal2 = 0.0;  ///< variance of a pixel that is left of temporal noise, and the fixed part of rounding
@@ -22,7 +35,8 @@ struct PatternPlane {
 };
 
 /// The mean frame of the dark stack, then the difference of the bright and the dark one over its signal, without
-/// shading (calib/characterize/trend.h); those that are there.
+/// shading (calib/characterize/trend.h); those that are there. Of blackbodies the mean frame of that nearest to the
+/// reference, then the difference of the hottest and the coldest one.
 std::vector<PatternPlane> pattern_planes(const calib::Characterization& camera);
 
 /// In the form of nonuniformity.offset, electrons, and nonuniformity.responsivity, factors, without defects of the mean

@@ -26,34 +26,36 @@ class Scale {
     }
   }
   bool shows(double v) const { return std::isfinite(v) && (!log_ || v > 0.0); }
-  double at(double v) const {
-    const double share = ((log_ ? std::log10(v) : v) - lo_) / (hi_ - lo_);
-    return std::lerp(from_, to_, std::clamp(share, -0.02, 1.02));
-  }
-  /// Round values inside.
+  bool holds(double v) const { return share(v) >= 0.0 && share(v) <= 1.0; }
+  /// What lies beyond the axis is at its end.
+  double at(double v) const { return std::lerp(from_, to_, std::clamp(share(v), 0.0, 1.0)); }
+  /// Round values inside: on a log axis of less than a decade as on a linear one, of few decades 1, 2 and 5 of each.
   std::vector<double> ticks() const {
     std::vector<double> values;
-    const double raw = (hi_ - lo_) / 6.0, power = std::pow(10.0, std::floor(std::log10(raw)));
-    double step = power;
-    for (const double m : {1.0, 2.0, 5.0, 10.0})
-      if (m * power >= raw) {
-        step = m * power;
-        break;
-      }
-    if (log_ && hi_ - lo_ < 2.5) {  // too few powers of ten: 1, 2 and 5 of each
+    if (log_ && hi_ - lo_ >= 1.0 && hi_ - lo_ < 2.5) {
       for (double k = std::floor(lo_); k <= hi_; k += 1.0)
         for (const double m : {1.0, 2.0, 5.0})
           if (const double v = k + std::log10(m); v >= lo_ - 1e-9 && v <= hi_ + 1e-9)
             values.push_back(m * std::pow(10.0, k));
       return values;
     }
-    if (log_) step = std::max(1.0, std::round(step));
-    for (double k = std::ceil(lo_ / step - 1e-9); k * step <= hi_ + 1e-9 * step && values.size() < 20; k += 1.0)
-      values.push_back(log_ ? std::pow(10.0, k * step) : k * step + 0.0);  // + 0.0 makes 0 of -0
+    const bool powers = log_ && hi_ - lo_ >= 2.5, narrow = log_ && !powers;
+    const double lo = narrow ? std::pow(10.0, lo_) : lo_, hi = narrow ? std::pow(10.0, hi_) : hi_;
+    const double raw = (hi - lo) / 6.0, power = std::pow(10.0, std::floor(std::log10(raw)));
+    double step = power;
+    for (const double m : {1.0, 2.0, 5.0, 10.0})
+      if (m * power >= raw) {
+        step = m * power;
+        break;
+      }
+    if (powers) step = std::max(1.0, std::round(step));
+    for (double k = std::ceil(lo / step - 1e-9); k * step <= hi + 1e-9 * step && values.size() < 20; k += 1.0)
+      values.push_back(powers ? std::pow(10.0, k * step) : k * step + 0.0);  // + 0.0 makes 0 of -0
     return values;
   }
 
  private:
+  double share(double v) const { return ((log_ ? std::log10(v) : v) - lo_) / (hi_ - lo_); }
   double lo_, hi_, from_, to_;
   bool log_;
 };
@@ -66,6 +68,12 @@ struct Range {
     hi = std::max(hi, v);
   }
   bool empty() const { return !(hi >= lo); }
+  /// By a part of the axis at both ends, so that points are whole.
+  void widen(double part, bool log) {
+    const double room = log ? std::pow(hi / lo, part) : part * (hi - lo);
+    lo = log ? lo / room : lo - room;
+    hi = log ? hi * room : hi + room;
+  }
 };
 
 std::string text(double x, double y, const char* style, const std::string& words, const char* anchor = "start") {
@@ -96,6 +104,7 @@ std::string axes(const Scale& x, const Scale& y, double right, double bottom, co
          ") rotate(-90)\">" + html(y_label) + "</text>";
 }
 
+/// Where the line stays beyond the axes there is none.
 std::string path_of(const Series& series, const Scale& x, const Scale& y, const std::string& style) {
   std::string d;
   bool down = false;
@@ -104,7 +113,8 @@ std::string path_of(const Series& series, const Scale& x, const Scale& y, const 
       down = false;
       continue;
     }
-    d += (down ? "L" : "M") + px(x.at(series.x[i])) + " " + px(y.at(series.y[i]));
+    const bool leaves = down && !y.holds(series.y[i]) && !y.holds(series.y[i - 1]);
+    d += (down && !leaves ? "L" : "M") + px(x.at(series.x[i])) + " " + px(y.at(series.y[i]));
     down = true;
   }
   return "<path class=\"" + style + "\" d=\"" + d + "\"/>";
@@ -139,12 +149,17 @@ std::string points_of(const Series& series, const Scale& x, const Scale& y, cons
 std::string svg_figure(const Figure& figure) {
   Range xs, ys;
   for (const Series& series : figure.series) {
-    for (const double v : series.x) xs.take(v, figure.log_x);
+    for (std::size_t i = 0; i < series.x.size(); ++i)
+      if (std::isfinite(series.y[i]) && !(figure.log_y && series.y[i] <= 0.0)) xs.take(series.x[i], figure.log_x);
     for (const auto* const values : {&series.y, &series.low, &series.high})
       for (const double v : *values) ys.take(v, figure.log_y);
   }
   if (xs.empty() || ys.empty())
     return "<p class=\"none\">" + html(figure.title) + ": there are no numbers to draw.</p>";
+  if (std::ranges::any_of(figure.series, [](const Series& s) { return s.mark != Mark::line && !s.x.empty(); })) {
+    xs.widen(0.02, figure.log_x);
+    ys.widen(0.03, figure.log_y);
+  }
   if (figure.x_range) xs = {(*figure.x_range)[0], (*figure.x_range)[1]};
   ys = {figure.y_low.value_or(ys.lo), figure.y_high.value_or(ys.hi)};
   double right = kWidth - kRight, bottom = kHeight - kBottom;
@@ -165,9 +180,12 @@ std::string svg_figure(const Figure& figure) {
     svg += band_of(series, x, y, style);
     svg += is_line ? path_of(series, x, y, style) : points_of(series, x, y, style + " dot");
     if (series.name.empty() || series.x.empty() || legend > kHeight - 20) continue;
-    svg += (is_line ? line(kWidth - kRight + 14, legend - 4, kWidth - kRight + 32, legend - 4, style)
-                    : dot(kWidth - kRight + 23, legend - 4, series.mark == Mark::large_points, style + " dot")) +
-           text(kWidth - kRight + 38, legend, "tick", series.name);
+    const double key = kWidth - kRight + 14, middle = legend - 4;
+    if (!series.low.empty())
+      svg += "<rect class=\"band\" x=\"" + px(key) + "\" y=\"" + px(middle - 6) + "\" width=\"18\" height=\"12\"/>";
+    svg += (is_line ? line(key, middle, key + 18, middle, style)
+                    : dot(key + 9, middle, series.mark == Mark::large_points, style + " dot")) +
+           text(key + 24, legend, "tick", series.name);
     legend += 17.0;
   }
   return svg + "</svg>";

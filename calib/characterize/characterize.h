@@ -16,6 +16,8 @@
 //   const calib::Characterization camera = calib::characterize(std::move(stacks), {.nonlinearity = 1});
 //   camera.find("read_noise")->value
 
+#include <cmath>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -39,12 +41,19 @@ struct StackSummary {
   Estimate frame_correlation{};  ///< of a pixel's noise in successive frames; sd of independent ones, 0: not known
   std::int64_t noisy = 0,
                looked_at = 0;  ///< pixels whose variance the noise of the others hardly makes, and of how many
+  std::map<int, std::int64_t> by_variance{};  ///< pixels, by ln(variance / mean of all) in units of variance_bin()
+  TimeSpectra in_time{};
   std::uint32_t step = 1;
   mtf::Image pattern{};  ///< pixel means less the mean of all; may be empty
   NoiseScales noise{};   ///< empty where that is
 };
 /// Throws UsageError for a single frame.
 StackSummary summary_of(const StackStatistics& stack);
+/// A quarter of the relative standard deviation of a pixel's variance.
+inline double variance_bin(const StackSummary& stack) { return 0.25 * std::sqrt(2.0 / (stack.squares.frames - 1.0)); }
+/// Relative variance of a mean, over so many pixels in so many rows, of products of their noise in time, of which each
+/// has that of a normal number times another.
+double variance_of_products(const StackSummary& stack, double pixels, double rows);
 
 /// The probability that a pixel of normal noise, as the others have, is counted as noisy.
 inline constexpr double kNoisy_p = 1e-7;
@@ -104,7 +113,9 @@ struct Characterization {
   double full_well_e = 0.0;  ///< of a2, a3, a4
   std::vector<Finding> findings;
   std::vector<Defect> defects;  ///< of the dark, in counts
-  int dark = -1, bright = -1;   ///< places in `stacks` of those whose planes tell the patterns; -1: there is none
+  /// Places in `stacks` of those whose planes tell the patterns; -1: there is none. Of blackbodies `dark` is the one
+  /// nearest to the reference.
+  int dark = -1, bright = -1;
   double bright_signal = 0.0;   ///< K g'(e) e of the bright one: counts of the responsivity's pattern
   double flicker_lowest = 0.0;  ///< cycles per frame; 0: no 1/f noise is looked for
   int trend = 0;                ///< degree of the shading that was taken from it
@@ -125,6 +136,8 @@ std::string clipped_words(const Stack& stack);
 bool is_hidden_by_rounding(const Stack& stack);
 /// Temporal variance that a pixel has in common with others of its row, column or frame.
 double shared_variance(const radiometry::MeanSquares& squares);
+/// All of it: the mean over the pixels.
+double pixel_variance(const radiometry::MeanSquares& squares);
 /// The part of the rounding error of a pixel that does not change from frame to frame, in counts^2.
 double rounding_of(const Stack& stack);
 /// The mean frame of `stack` less that of `other`.

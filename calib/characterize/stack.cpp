@@ -34,23 +34,12 @@ StackSummary summary_of(const StackStatistics& stack) {
       s.covariance[k] = stack.covariance(kLags[k]);
   const PixelNoise noise = stack.pixel_noise();
   s.variance_sd = noise.variance_sd;
-  const double T = s.squares.frames, kept = static_cast<double>(stack.pixels_kept()), v = s.squares.value[kTvh];
-  if (s.frames > 2 && v > 0.0) {
-    // Rows, columns and frames that share noise are fewer than pixels, and their sums scatter by the share's square.
-    double all = v, squares = square(v) / kept;
-    for (const auto& [part, number] :
-         {std::pair{kTv, kept / s.squares.columns}, std::pair{kTh, s.squares.columns}, std::pair{kT, 1.0}}) {
-      const double shared = std::max(0.0, s.squares.variance(part));
-      all += shared;
-      squares += square(shared) / number + 2.0 * shared * v / kept;
-    }
-    // Pixels that are noisier than others weigh more: the mean square of the variances, of which chi-square adds a
-    // part.
-    const double of_pixels =
-        (static_cast<double>(stack.pixels()) * square(s.variance_sd) + square(all)) / (1.0 + 2.0 / (T - 1.0));
-    squares += std::max(0.0, of_pixels - square(all)) / kept;
-    s.frame_correlation = {noise.frame_correlation, std::sqrt((T - 2.0) * squares) / ((T - 1.0) * all)};
-  }
+  const double T = s.squares.frames, kept = static_cast<double>(stack.pixels_kept());
+  if (s.frames > 2 && s.squares.value[kTvh] > 0.0)
+    s.frame_correlation = {noise.frame_correlation,
+                           std::sqrt((T - 2.0) * variance_of_products(s, kept, kept / s.squares.columns)) / (T - 1.0)};
+  s.by_variance = stack.pixels_by_variance(pixel_variance(s.squares), variance_bin(s));
+  s.in_time = stack.time_spectra();
   s.looked_at = stack.pixels_kept();
   s.noisy = stack.pixels_above(noise.variance * f_quantile(1.0 - kNoisy_p, T - 1.0, (T - 1.0) * kept));
   s.share_low = stack.share_low();
@@ -65,10 +54,30 @@ StackSummary summary_of(const StackStatistics& stack) {
   return s;
 }
 
+double variance_of_products(const StackSummary& s, double pixels, double rows) {
+  // Rows, columns and frames that share noise are fewer than pixels, and their sums scatter by the share's square.
+  const double v = s.squares.value[kTvh];
+  double all = v, squares = square(v) / pixels;
+  for (const auto& [part, number] : {std::pair{kTv, rows}, std::pair{kTh, s.squares.columns}, std::pair{kT, 1.0}}) {
+    const double shared = std::max(0.0, s.squares.variance(part));
+    all += shared;
+    squares += square(shared) / number + 2.0 * shared * v / pixels;
+  }
+  // Pixels that are noisier than others weigh more: the mean square of the variances, of which chi-square adds a part.
+  const double of_pixels = (s.squares.rows * s.squares.columns * square(s.variance_sd) + square(all)) /
+                           (1.0 + 2.0 / (s.squares.frames - 1.0));
+  squares += std::max(0.0, of_pixels - square(all)) / pixels;
+  return squares / square(all);
+}
+
 double shared_variance(const radiometry::MeanSquares& squares) {
   double sum = 0.0;
   for (const radiometry::CubePart part : {kTv, kTh, kT}) sum += std::max(0.0, squares.variance(part));
   return sum;
+}
+
+double pixel_variance(const radiometry::MeanSquares& squares) {
+  return squares.value[kTvh] + squares.variance(kTv) + squares.variance(kTh) + squares.variance(kT);
 }
 
 double number_of_values(const Stack& stack) {

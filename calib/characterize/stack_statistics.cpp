@@ -111,7 +111,8 @@ StackStatistics::StackStatistics(std::int64_t width, std::int64_t height, CountR
       range_(range),
       every_((width * height >> 20) | 1),
       scale_every_((width * height >> 18) | 1),
-      frame_scales_(1) {
+      frame_scales_(1),
+      series_(width, height) {
   if (width < 2 || height < 2)
     throw mtf::UsageError("frames of " + std::to_string(width) + " x " + std::to_string(height) +
                           " pixels; at least two columns and two rows are needed");
@@ -148,6 +149,7 @@ void StackStatistics::add(std::span<const mtf::ImageView<const float>> frames, i
                             std::to_string(i % width_) + ", " + std::to_string(i / width_) + "; leave it out");
     }
     take(frame);
+    series_.add(frames[f], last_ / static_cast<double>(pixels()));
   }
 }
 
@@ -320,6 +322,13 @@ NoiseScales StackStatistics::noise_scales() const {
   for (const std::vector<float>& one : frame_scales_.squares(frames_))
     noise.frame.push_back(static_cast<double>(one.front()));
   return noise;
+}
+
+std::map<int, std::int64_t> StackStatistics::pixels_by_variance(double mean, double bin) const {
+  std::map<int, std::int64_t> number;
+  for (std::int64_t i = 0; i < pixels_kept(); ++i)
+    if (const double v = kept_variance(i); v > 0.0) ++number[static_cast<int>(std::lround(std::log(v / mean) / bin))];
+  return number;
 }
 
 std::uint32_t StackStatistics::step() const {

@@ -6,7 +6,8 @@
 //   for each pixel     sum; sum of squares, of frames above two million pixels in some of the rows
 //   for each frame     squares of the sums of rows, of columns and of all, added to the totals at once
 //   at six lags        sums of the products of pixels that far apart
-//   in time            the squares of the differences of a pixel in successive frames, of the same rows
+//   in time            the squares of the differences of a pixel in successive frames, of the same rows; the values of
+//                      some pixels (time_spectrum.h)
 // All values are taken about a whole number near their mean, and the sums of counts (whole numbers) are exact. From
 // them follow the seven mean squares of three-dimensional noise, and the temporal covariance of neighbours: as
 //   sum over t of (x_p - mean_p) (x_q - mean_q) = sum over t of x_p x_q - S_p S_q / T
@@ -18,10 +19,12 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <map>
 #include <span>
 #include <vector>
 
 #include "calib/characterize/time_scales.h"
+#include "calib/characterize/time_spectrum.h"
 #include "mtf/image.h"
 #include "radiometry/stages/noise/mean_squares.h"
 
@@ -83,6 +86,8 @@ class StackStatistics {
   PixelNoise pixel_noise() const;
   /// Of the pixels whose squares are kept: those whose variance is above it, and how many there are.
   std::int64_t pixels_above(double variance) const;
+  /// How many of them have a variance within half a bin of exp(bin k) times `mean`, by k.
+  std::map<int, std::int64_t> pixels_by_variance(double mean, double bin) const;
   std::int64_t pixels_kept() const { return static_cast<std::int64_t>(squares_.size()); }
   /// The noise of pixels by the time over which it changes; of frames above half a million pixels in some of the rows.
   NoiseScales noise_scales() const;
@@ -100,6 +105,7 @@ class StackStatistics {
   /// The slope of a straight line through the means of frames over their numbers, a frame, and its standard deviation
   /// from what lies about the line; 0 and 0 for fewer than four frames.
   FrameDrift drift() const;
+  TimeSpectra time_spectra() const { return series_.spectra(); }
 
  private:
   struct Part;
@@ -115,7 +121,8 @@ class StackStatistics {
   std::vector<double> sum_, squares_;  ///< of pixels
   std::int64_t scale_every_;           ///< row is in the scales of time
   TimeScales scales_, frame_scales_;   ///< of those pixels, and of the means of frames
-  std::vector<float> before_;          ///< the rows of the latest frame whose squares are kept
+  TimeSeries series_;
+  std::vector<float> before_;  ///< the rows of the latest frame whose squares are kept
   std::array<long double, kLags.size()> products_{};
   long double total_ = 0.0L, all_squares_ = 0.0L, frame_squares_ = 0.0L, row_squares_ = 0.0L, column_squares_ = 0.0L;
   long double step_squares_ = 0.0L;  ///< of the differences of successive frames' sums

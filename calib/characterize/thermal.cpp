@@ -257,6 +257,7 @@ Characterization characterize_thermal(std::vector<Stack> stacks, const ThermalOp
   findings.add_value("offset", "counts", offset, line.errors_of_count(-options.own_radiance), from);
   Nearest nearest = add_noise(line, options, relative, offset, findings);
   result.defects = std::move(nearest.defects);
+  result.dark = static_cast<int>(nearest.stack - stacks.data());
   warn_of_neighbours(*nearest.stack, result.warnings);
   add_noise_in_time(stacks, result.findings, result.warnings);
   for (const char* const name : {"transmission", "absorptance", "f_number"})

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "mtf/io/image_io.h"
+#include "tests/apps/characterize_page.h"
 #include "tests/apps/command.h"
 #include "tests/replaced.h"
 
@@ -130,6 +131,17 @@ TEST_F(CharacterizeBlackbodies, ClosesTheLoop) {
     }
     EXPECT_EQ(all.at("mrtd").at("verdict"), "predicted");
 
+    // The page: counts over radiance, with residuals where the line has any; MRTD and MDTD; spectra of two patterns;
+    // three in time; profiles of rows and columns; two histograms of each pattern; bars.
+    const std::string page = read_file(scratch / "camera/report.html");
+    expect_whole_page(page);
+    EXPECT_EQ(count_of(page, "<svg "), (kelvin.size() > 2 ? 2U : 1U) + 2U + 2U + 3U + 2U + 4U + 1U);
+    for (const char* const name : {"sitf", "netd", "noise_h", "mrtd"}) {
+      const std::string row = page.substr(page.find(">" + std::string(name) + "</code>"), 2000);
+      EXPECT_TRUE(says(row, "<data value=\"" + all.at(name).at("value").dump() + "\"")) << name;
+    }
+    expect_says(page, {"Temperature (K)", "mK rms, with 95 % intervals", "of the fixed pattern", "MDTD [mK]"});
+
     // The budget of the written file has the numbers that were found.
     const Result budget = scratch.run("mtf budget camera/sensor.toml --temperature '298 K' --format json");
     ASSERT_EQ(budget.status, 0) << budget.err;
@@ -165,7 +177,13 @@ TEST_F(CharacterizeBlackbodies, DefectsAreNoPartOfDsnu) {
   EXPECT_NEAR(value(dsnu), 2000.0 / kSitf, 4.5 * sd(dsnu));
   EXPECT_LT(sd(dsnu), 0.15 * value(dsnu));
   EXPECT_NEAR(Json::parse(found.out).at("defect_count").get<double>(), 0.004 * kSide * kSide, 10.0);
-  EXPECT_TRUE(says(characterize(stacks("truth", {298, 308}), "").out, "which noise_vh counts and dsnu leaves out"));
+  EXPECT_TRUE(
+      says(characterize(stacks("truth", {298, 308}), "-o camera").out, "which noise_vh counts and dsnu leaves out"));
+  const std::string page = read_file(scratch / "camera/report.html");
+  expect_whole_page(page);
+  expect_says(page, {"id=\"defect-1\""});
+  EXPECT_EQ(count_of(read_file(scratch / "camera/defects.csv"), "fixed pattern,"),
+            Json::parse(found.out).at("defect_count"));
 }
 
 TEST_F(CharacterizeBlackbodies, RadiancesPhotonDetectorsAndRefusals) {
@@ -192,6 +210,7 @@ TEST_F(CharacterizeBlackbodies, RadiancesPhotonDetectorsAndRefusals) {
   ASSERT_EQ(other.status, 0) << other.err;
   EXPECT_TRUE(numbers(other.out).contains("netd"));
   EXPECT_FALSE(fs::exists(scratch / "photons/sensor.toml"));
+  expect_whole_page(read_file(scratch / "photons/report.html"));
 
   write_file(scratch / "truth.toml", kBolometer);
   expect_error(characterize(stacks("truth", {298})), 2, {"1 usable stack", "two temperatures"});
