@@ -62,6 +62,11 @@ TEST(Vignetting, regions_and_maps) {
   vignetting_map(cos4.view(), {}, detector, 6.0, {300, 111});
   EXPECT_FLOAT_EQ(part.at(7, 8), 0.5F * cos4.at(7, 8));
 
+  // So do the shares of a pupil.
+  mtf::Image of_pupil(50, 40);
+  vignetting_map(of_pupil.view(), {.of = VignettingOf::wavefront}, detector, 6.0, {300, 111}, given.view());
+  EXPECT_EQ(of_pupil.at(7, 8), part.at(7, 8));
+
   // A small region of a detector that no memory holds; a single pixel.
   mtf::Image tiny(2, 1);
   vignetting_map(tiny.view(), vignetting, focal_plane(std::int64_t{1} << 31, std::int64_t{1} << 31, 1.0, 1.0), 1e9,
@@ -77,6 +82,11 @@ TEST(Vignetting, refusals) {
   expect_refused({"focal length of 0"}, [&] { vignetting_map(map.view(), {}, detector, 0.0); });
   expect_refused({"focal length of nan"}, [&] { vignetting_map(map.view(), {}, detector, std::nan("")); });
   expect_refused({"m.exr", "not given"}, [&] { vignetting_map(map.view(), {.map = "m.exr"}, detector, 50.0); });
+  const Vignetting of_pupil{.of = VignettingOf::wavefront};
+  expect_refused({"vignetting.of", "not given"}, [&] { vignetting_map(map.view(), of_pupil, detector, 50.0); });
+  expect_refused({"either of = \"wavefront\" or"}, [&] {
+    vignetting_map(map.view(), {.of = VignettingOf::wavefront, .a2 = 0.1}, detector, 50.0, {}, map.view());
+  });
   expect_refused({"either a map or"},
                  [&] { vignetting_map(map.view(), {.a2 = 0.1, .map = "m.exr"}, detector, 50.0, {}, map.view()); });
   expect_refused({"m.exr has 3 x 4", "4 x 3"},

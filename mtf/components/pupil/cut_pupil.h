@@ -240,6 +240,7 @@ inline double pupil_share(const PupilRim<double>& rim, double obscuration) {
 template <class T>
 Complex<T> cut_pupil_otf(WavePolynomial<T> wavefront, const Freq<T>& nu, const T& obscuration, const PupilRim<T>& rim,
                          double accuracy = 1e-13) {
+  if (!(std::hypot(value_of(nu.x), value_of(nu.y)) < rim.half_diameter())) return {T(0), T(0)};
   const WavePolynomial<T> d = wavefront.difference(nu);
   const std::vector<detail::PupilDisc<T>> pupils{{-nu.x, -nu.y, T(1)},
                                                  {nu.x, nu.y, T(1)},
