@@ -3,7 +3,8 @@
 // The three lists of components: every field through the field table of its kind. Numbers of them may change over the
 // field of view (mtf/field_terms.h):
 //   w020 = { 1 = -0.3, r2 = 0.5 }      rms = { 1 = "2 urad", x = "0.5 urad" }      orientation = "field"
-// The term 1 is the value on the optical axis, 0 where it is not given.
+// The term 1 is the value on the optical axis, 0 where it is not given. A term that mtf fit may change is a fit table,
+// w020 = { 1 = -0.3, x = { value = 0.06, fit = true } }, with the path "presample[0].w020.x".
 
 #include <algorithm>
 #include <charconv>
@@ -152,7 +153,7 @@ void take_over_field(const Section& section, Stage stage, std::size_t entry, Sys
                            "changes over the field, which components of [[presample]] alone may; write one number");
     } else if (!place || detail::number_of(fields[place->field], place->element) == nullptr) {
       // Something else about it was wrong, and is said.
-    } else if (!terms.angle && std::all_of(terms.coefficient.begin(), terms.coefficient.end(), is_zero)) {
+    } else if (!terms.angle && !terms.fit && std::all_of(terms.coefficient.begin(), terms.coefficient.end(), is_zero)) {
       // The same everywhere.
     } else if (terms.angle) {
       system.field.angles.push_back({entry, place->field});
@@ -268,9 +269,12 @@ std::optional<Scalar> read_over_field(Reader& reader, const Node& node, const Fi
       good = false;
       continue;
     }
-    auto scalar = read_plain(reader, member.value, info, section.at(member.key));
+    const bool fit = member.value.kind == Node::Kind::table;
+    auto scalar = (fit ? read_fit : read_plain)(reader, member.value, info, section.at(member.key));
+    terms.fit = terms.fit || fit;
     if (scalar && first && scalar->unit != first->unit) {
-      if (scalar->unit->dimension == first->unit->dimension && scalar->unit->dimension != Dimension::frequency) {
+      if (!fit && scalar->unit->dimension == first->unit->dimension &&
+          scalar->unit->dimension != Dimension::frequency) {
         scalar = Scalar{convert({scalar->value, scalar->unit}, first->unit->name), first->unit};
       } else {
         section.error(member.key, shown(member.value) + " does not go with terms in " + std::string(first->unit->name) +
@@ -302,7 +306,8 @@ void refuse_over_field(Reader& reader) {
   reader.terms.clear();
 }
 
-std::string over_field_text(const System<double>& system, std::string_view path, const Scalar& on_axis) {
+std::string over_field_text(const System<double>& system, std::string_view path, const Scalar& on_axis,
+                            const std::function<std::string(const std::string& path, const Scalar& number)>& text_of) {
   const std::string start = std::string(stage_name(Stage::presample)) + "[";
   if (!path.starts_with(start)) return {};
   std::size_t entry = 0;
@@ -316,10 +321,13 @@ std::string over_field_text(const System<double>& system, std::string_view path,
     if (angle == FieldAngle{entry, place->field}) return "\"" + std::string(kTurns) + "\"";
   for (const FieldNumber<double>& number : system.field.numbers) {
     if (number.entry != entry || number.field != place->field || number.element != place->element) continue;
-    std::string text = "{ 1 = " + toml_scalar(on_axis);
+    const auto term = [&](std::string_view name, double value) {
+      return text_of(std::string(path) + "." + std::string(name), {value, on_axis.unit});
+    };
+    std::string text = "{ 1 = " + term(kConstant, on_axis.value);
     for (std::size_t i = 0; i < kFieldTerms.size(); ++i)
-      if (number.coefficient[i] != 0.0)
-        text += ", " + std::string(kFieldTerms[i]) + " = " + toml_scalar({number.coefficient[i], on_axis.unit});
+      if (const std::string one = term(kFieldTerms[i], number.coefficient[i]); !one.empty())
+        text += ", " + std::string(kFieldTerms[i]) + " = " + one;
     return text + " }";
   }
   return {};

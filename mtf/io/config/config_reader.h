@@ -20,6 +20,7 @@ struct FieldTerms {
   std::string path;
   Position position;
   bool angle = false;
+  bool fit = false;  ///< some stand in fit tables, so that they stay terms where they are 0
   std::array<double, kFieldTerms.size()> coefficient{};
 };
 
@@ -78,6 +79,9 @@ std::optional<Scalar> read_plain(Reader& reader, const Node& node, const FieldIn
 /// A value or a table { value, fit, min, max, prior, stderr, interval }, which leaves a FitSpec.
 std::optional<Scalar> read_scalar(const Section& section, const FieldInfo& info, std::string_view key);
 
+/// Such a table alone; the value of it when usable.
+std::optional<Scalar> read_fit(Reader& reader, const Node& table, const FieldInfo& info, const std::string& path);
+
 /// A value within the range of `info`, no table: for what is never fitted.
 std::optional<double> read_number(const Section& section, const FieldInfo& info, std::string_view key);
 
@@ -128,7 +132,9 @@ std::optional<Scalar> read_over_field(Reader& reader, const Node& node, const Fi
 /// Reports terms of numbers that are no component's, such as the focal length.
 void refuse_over_field(Reader& reader);
 /// How a sensor file has the number at that path: { 1 = "2 urad", r2 = "0.5 urad" }; "" where it is one number.
-std::string over_field_text(const System<double>& system, std::string_view path, const Scalar& on_axis);
+/// `text`: a term's number at its own path, or nothing where it need not be written.
+std::string over_field_text(const System<double>& system, std::string_view path, const Scalar& on_axis,
+                            const std::function<std::string(const std::string& path, const Scalar& number)>& text);
 
 /// `missing; write rms = "8 urad" (rms displacement of one axis, one sigma)`
 std::string missing_text(const FieldInfo& info);
