@@ -384,6 +384,9 @@ std::string fitted_config(const FitResult& result, const mtf::io::SensorConfig& 
                                                                          p.parameter.min.value_or(-mtf::kInfinity),
                                                                          p.parameter.max.value_or(mtf::kInfinity));
     calib::set_parameter(fitted.system, p.parameter.path, value);
+    for (mtf::SettingsTable& table : fitted.tables)  // the optical axis
+      for (mtf::GivenSetting& setting : table.settings)
+        if (p.parameter.path == std::string(table.name) + "." + std::string(setting.name)) setting.value = value;
     const auto spec = std::find_if(fitted.fits.begin(), fitted.fits.end(),
                                    [&](const mtf::io::FitSpec& fit) { return fit.path == p.parameter.path; });
     if (spec == fitted.fits.end()) continue;

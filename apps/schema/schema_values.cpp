@@ -146,10 +146,11 @@ void add_number_definitions(Json& definitions) {
     const Json number = number_schema({.name = {}, .dimension = dimension});
     definitions[dimension_name(dimension)] = number;
     definitions["fit_" + dimension_name(dimension)] = fit_schema("a number that mtf fit may change", number);
+    const Json term{{"anyOf", {number, reference("fit_" + dimension_name(dimension))}}};
     Json terms = closed_table("a number of a presample component that changes over the field: 1 on the optical axis");
-    terms["properties"]["1"] = number;
+    terms["properties"]["1"] = term;
     terms["properties"]["table"] = text_schema("CSV file with the number over the field");
-    for (const std::string_view term : mtf::kFieldTerms) terms["properties"][std::string(term)] = number;
+    for (const std::string_view name : mtf::kFieldTerms) terms["properties"][std::string(name)] = term;
     Json& field = definitions["field_" + dimension_name(dimension)] = std::move(terms);
     if (dimension == mtf::Dimension::angle)
       field = {{"anyOf", {field, words_schema(std::array<std::string_view, 1>{"field"})}}};

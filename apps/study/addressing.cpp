@@ -133,7 +133,7 @@ Found of_component(const SensorView& view, const Target& target) {
                                                  : "the sensor file gives " + name + " for both axes; write " + name +
                                                        "_x and " + name + "_y there, or name " + name};
       place.kind = Place::Kind::number;
-      place.info = *site.info;
+      place.info = site.info;
       if (unit != nullptr) place.info.unit = unit->name;
       place.value = *site.numbers.front();
       return {place};
@@ -157,10 +157,10 @@ Found of_system(const SensorView& view, const Target& target) {
     return {std::nullopt, "the sensor file gives pitch_x and pitch_y; name one of them, or write pitch there"};
   place.kind = Place::Kind::number;
   place.info = *row;
-  place.info.lo = site.info->lo;
-  place.info.hi = site.info->hi;
-  place.info.lo_open = site.info->lo_open;
-  place.info.hi_open = site.info->hi_open;
+  place.info.lo = site.info.lo;
+  place.info.hi = site.info.hi;
+  place.info.lo_open = site.info.lo_open;
+  place.info.hi_open = site.info.hi_open;
   place.value = *site.numbers.front();
   return {place};
 }

@@ -43,7 +43,7 @@ class Progress {
 /// The solution as errors of functions see it: at a flat point, where first derivatives tell nothing, they are those of
 /// the place next to it where the parameter acts, at which the problem then is.
 Solved where_it_acts(FitProblem& problem, const Solved& solved, std::span<const FlatPoint> flat) {
-  Solved there{.problem = &problem, .condition = solved.condition, .angle_rad = solved.angle_rad};
+  Solved there{.problem = &problem, .place = solved.place, .angle_rad = solved.angle_rad};
   there.identified = solved.identified;
   const std::vector<double> x = problem.x;
   for (const FlatPoint& f : flat) problem.x[f.parameter] = f.off_point(problem.x[f.parameter]);
@@ -70,7 +70,7 @@ void report_mtf(FitProblem& problem, const Solved& solved, std::span<const FlatP
     for (int i = 0; i < 40; ++i) {
       const double middle = 0.5 * (lo + hi);
       const std::vector<PixelFreq> at = along(solved.angle_rad, {&middle, 1});
-      (problem.sensors->modulus(solved.condition, at).front() >= 0.5 ? lo : hi) = middle;
+      (problem.sensors->modulus(solved.place, at).front() >= 0.5 ? lo : hi) = middle;
     }
     half = lo;
     slope = std::abs(h[k].value - h[k - 1].value) / kCurveStep_cy_px;
@@ -196,7 +196,7 @@ FitResult fit_one(const FitData& data, std::span<const FitParameter> parameters,
   for (std::size_t b = 0; b < problem.blocks.size(); ++b)
     if (const auto* edge = std::get_if<EdgeBlock>(&problem.blocks[b])) {
       if (solved.normals_rad.empty()) {
-        solved.condition = edge->condition();
+        solved.place = edge->place();
         solved.angle_rad = edge->curve(problem.own[b]).angle_rad;
       }
       solved.normals_rad.push_back(edge->curve(problem.own[b]).angle_rad);
@@ -290,6 +290,9 @@ std::optional<Unknown> with_defocus(std::vector<System<double>> conditions) {
   if (pupil == entries.end()) return std::nullopt;
   const auto place = static_cast<std::size_t>(pupil - entries.begin());
   const bool seidel = pupil->component.kind() == mtf::Wavefront<double>::kind;
+  // Numbers over the field are named by their rows in the table of their kind.
+  const auto of_pupil = [place](const mtf::FieldNumber<double>& number) { return number.entry == place; };
+  if (!seidel && std::ranges::any_of(conditions.front().field.numbers, of_pupil)) return std::nullopt;
   for (System<double>& system : conditions) {
     mtf::Component<double>& component = system.list(mtf::Stage::presample)[place].component;
     if (const auto* plain = component.get_if<mtf::Diffraction<double>>()) {

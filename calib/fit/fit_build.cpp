@@ -36,7 +36,7 @@ void check_twice(const System<double>& system, std::span<const FitParameter> par
   for (std::size_t i = 0; i < parameters.size(); ++i)
     for (std::size_t k = 0; k < i; ++k) {
       const std::string &a = parameters[k].path, &b = parameters[i].path;
-      if (a == b) throw UsageError(a + ": asked for twice");
+      if (a == b || a + ".1" == b || a == b + ".1") throw UsageError(a + ": asked for twice");
       const auto same = [&](const std::string& shared, const std::string& own) {
         return shared.starts_with("optics.") && own.substr(own.rfind('.') + 1) == shared.substr(7) &&
                falls_back(system, own);
@@ -68,10 +68,19 @@ void check_data(const FitData& data) {
     condition(spot.name, spot.condition);
     region(spot.name, spot.roi, spot.image);
   }
-  for (const System<double>& system : data.conditions) {
-    require_valid(system);
-    require_isoplanatic(system, "a fit");
-  }
+  for (const System<double>& system : data.conditions) require_valid(system);
+  // A place in the image is one on the detector.
+  const auto whole = [&](const std::string& name, std::size_t index, const mtf::ImageView<const float>& image) {
+    const System<double>& system = data.conditions[index];
+    const std::int64_t columns = system.frame.columns, rows = system.frame.rows;
+    if (system.is_isoplanatic() || (image.width == columns && image.height == rows)) return;
+    const auto size = [](std::int64_t x, std::int64_t y) { return std::to_string(x) + " x " + std::to_string(y); };
+    throw UsageError(name + ": the OTF changes over the field, and the image has " + size(image.width, image.height) +
+                     " pixels, frame.format " + (columns > 0 ? size(columns, rows) : "is not given") +
+                     "; give the size of the detector there, and images of all of it");
+  };
+  for (const EdgeData& edge : data.edges) whole(edge.name, edge.condition, edge.image);
+  for (const SpotData& spot : data.spots) whole(spot.name, spot.condition, spot.image);
 }
 
 std::string trouble_of(const EdgeData& edge) {
@@ -88,39 +97,51 @@ std::string trouble_of(const EdgeData& edge) {
   return contrast == 0.0 ? "there is no contrast" : "";
 }
 
+/// The two points of an edge whose mean stands for that over its length (Gauss): the OTF may change along it.
+std::vector<Point> points_along(const EdgeMeasurement& edge) {
+  const auto [x, y] = edge.curve.origin;
+  if (!(edge.length_px > 0.0 && std::isfinite(edge.length_px))) return {{x, y}};
+  const Point normal = edge.curve.normal();
+  const double off = 0.5 * edge.length_px / std::numbers::sqrt3;
+  return {{x - off * normal.y, y + off * normal.x}, {x + off * normal.y, y - off * normal.x}};
+}
+
 /// Whether the step response of the starting sensor can be computed over the edge's pixels.
 std::string not_modelled(const EdgeBlock& block, const Sensors& sensors) {
   try {
-    sensors.slice(block.condition(), block.data().start.curve.angle_rad, block.range_px());
+    sensors.slice(block.place(), block.data().start.curve.angle_rad, block.range_px());
   } catch (const mtf::Error& error) {
     return error.what();
   }
   return "";
 }
 
+/// Of many blocks some, all over the image.
 std::vector<Probe> probes_of(std::span<const Block> blocks) {
+  const std::size_t every = std::max<std::size_t>(1, blocks.size() / kMostProbes);
   std::vector<Probe> probes;
   std::vector<double> f;
   for (int i = 1; i <= 12; ++i) f.push_back(0.05 * i);
-  const auto add_direction = [&](std::size_t condition, double angle) {
-    if (probes.size() < kMostProbes) probes.push_back({condition, along(angle, f), nullptr});
+  const auto add_direction = [&](std::size_t place, double angle) {
+    if (probes.size() < kMostProbes) probes.push_back({place, along(angle, f), nullptr});
   };
-  for (const Block& block : blocks) {
+  for (std::size_t b = 0; b < blocks.size(); b += every) {
+    const Block& block = blocks[b];
     if (const auto* edge = std::get_if<EdgeBlock>(&block))
-      add_direction(edge->condition(), edge->data().start.curve.angle_rad);
+      add_direction(edge->place(), edge->data().start.curve.angle_rad);
     if (const auto* curve = std::get_if<CurveBlock>(&block))
       probes.push_back(
-          {curve->condition(), {curve->frequencies().begin(), curve->frequencies().end()}, curve->data().unit});
+          {curve->place(), {curve->frequencies().begin(), curve->frequencies().end()}, curve->data().unit});
     if (const auto* spot = std::get_if<SpotBlock>(&block))
       for (const double angle : {0.0, 0.25 * std::numbers::pi, 0.5 * std::numbers::pi})
-        add_direction(spot->condition(), angle);
+        add_direction(spot->place(), angle);
   }
   return probes;
 }
 
 /// A frequency at which the MTF of the data is about one half.
 struct HalfContrast {
-  std::size_t condition = 0;
+  std::size_t place = 0;
   PixelFreq f;
 };
 
@@ -131,10 +152,10 @@ std::vector<HalfContrast> half_contrasts(std::span<const Block> blocks) {
     if (const auto* edge = std::get_if<EdgeBlock>(&block)) {
       const EdgeMeasurement& start = edge->data().start;
       if (start.mtf50 && start.mtf50->value > 1e-4 && start.mtf50->value < 4.0)
-        all.push_back({edge->condition(), along(start.curve.angle_rad, {&start.mtf50->value, 1}).front()});
+        all.push_back({edge->place(), along(start.curve.angle_rad, {&start.mtf50->value, 1}).front()});
     }
     if (const auto* spot = std::get_if<SpotBlock>(&block))
-      all.push_back({spot->condition(), {kOfGaussian / spot->width_px(), 0.0, 0.0, 0.0}});
+      all.push_back({spot->place(), {kOfGaussian / spot->width_px(), 0.0, 0.0, 0.0}});
   }
   return all;
 }
@@ -151,7 +172,7 @@ bool is_width(const Variable& variable, const mtf::FieldInfo& info) {
 // tenths at the frequency at which the data have one half, all widths are multiplied by the factor that makes it one
 // half.
 std::vector<double> near_values(FitProblem& problem, std::span<const double> start,
-                                std::span<const mtf::FieldInfo* const> infos) {
+                                std::span<const mtf::FieldInfo> infos) {
   const std::vector<HalfContrast> halves = half_contrasts(problem.blocks);
   const std::vector<double> given(start.begin(), start.end());
   std::vector<double> values;
@@ -159,13 +180,13 @@ std::vector<double> near_values(FitProblem& problem, std::span<const double> sta
     values = given;
     for (std::size_t i = 0; i < values.size(); ++i) {
       const Variable& v = problem.variables[i];
-      if (problem.priors[i] || !is_width(v, *infos[i])) continue;
+      if (problem.priors[i] || !is_width(v, infos[i])) continue;
       const double a = v.value(v.lo), b = v.value(v.hi);
       values[i] = std::clamp(values[i] * factor, std::min(a, b), std::max(a, b));
     }
     if (!problem.sensors->set(values)) return std::numeric_limits<double>::quiet_NaN();
     double sum = 0.0;
-    for (const HalfContrast& half : halves) sum += problem.sensors->modulus(half.condition, {&half.f, 1}).front();
+    for (const HalfContrast& half : halves) sum += problem.sensors->modulus(half.place, {&half.f, 1}).front();
     return sum / static_cast<double>(halves.size());
   };
   if (halves.empty()) return given;
@@ -201,7 +222,7 @@ FitSetup make_setup(const FitData& data, std::span<const FitParameter> parameter
 
   FitSetup setup;
   std::vector<std::string> paths;
-  std::vector<const mtf::FieldInfo*> infos;
+  std::vector<mtf::FieldInfo> infos;
   for (const FitParameter& parameter : parameters) {
     paths.push_back(parameter.path);
     for (std::size_t c = 0; c < data.conditions.size(); ++c) {
@@ -235,6 +256,7 @@ FitSetup make_setup(const FitData& data, std::span<const FitParameter> parameter
       continue;
     }
     EdgeBlock block(edge);
+    block.set_place(setup.sensors->place(edge.condition, points_along(edge.start)));
     if (const std::string why = not_modelled(block, *setup.sensors); !why.empty()) {
       leave_out(edge.name, why);
       continue;
@@ -256,6 +278,7 @@ FitSetup make_setup(const FitData& data, std::span<const FitParameter> parameter
       if (block.cut())
         setup.warnings.push_back(spot.name + ": of its region the " + std::to_string(block.roi().width) + " x " +
                                  std::to_string(block.roi().height) + " pixels around the peak are fitted");
+      block.set_place(setup.sensors->place(spot.condition, {{block.x_px(), block.y_px()}}));
       take(std::move(block));
     }
   }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <map>
 #include <numbers>
 
 #include "calib/dense.h"
@@ -49,8 +50,8 @@ Eigen::MatrixXd one_more(const Solved& solved, double turn_rad) {
   if (edge == nullptr) return none;
   constexpr double kRange_px = 24.0, kStep_px = 0.125;
   const double angle = edge->curve(problem.own[b]).angle_rad + turn_rad;
-  const SliceNodes nodes = problem.sensors->slice(edge->condition(), angle, kRange_px);
-  const StepResponse step(nodes, problem.sensors->otf(edge->condition(), along(angle, nodes.f_cy_px)));
+  const SliceNodes nodes = problem.sensors->slice(edge->place(), angle, kRange_px);
+  const StepResponse step(nodes, problem.sensors->otf(edge->place(), along(angle, nodes.f_cy_px)));
   const double cnr = std::abs(problem.own[b][edge->contrast_index()]) / edge->middle_sd();
   const double length = std::max(1.0, edge->data().start.length_px);
   const double noise = trusted_noise(solved.noise_factor[b]) * std::max(1.0, solved.tests[b].noise.sum());
@@ -74,6 +75,80 @@ bool one_direction(std::span<const double> normals_rad) {
   for (const double a : normals_rad)
     if (std::abs(std::sin(a - normals_rad.front())) > std::sin(20.0 * std::numbers::pi / 180.0)) return false;
   return true;
+}
+
+// Terms over the field need data all over it: the even ones of a wavefront grow with the distance from the optical axis
+// and turn with the direction.
+
+constexpr std::size_t kFewPlaces = 3;  // directions, distances
+
+std::vector<mtf::FieldPoint<double>> places_of(const FitProblem& problem) {
+  std::vector<mtf::FieldPoint<double>> all;
+  for (const Block& block : problem.blocks)
+    if (const auto q = problem.sensors->field_point(std::visit([](const auto& b) { return b.place(); }, block)))
+      all.push_back(*q);
+  return all;
+}
+
+/// Fitted terms of one number that at the places of the data are the same, or add up to nothing, as tilts along x and y
+/// on a diagonal. What is seen there tells their sum; what else it seems to tell comes from the length of the edges.
+std::vector<WeakDirection> confounded_terms(const FitProblem& problem, std::span<const FitParameter> parameters) {
+  constexpr double kAlike = 1e-5, kPart = 0.1;
+  const std::vector<mtf::FieldPoint<double>> places = places_of(problem);
+  std::map<std::string, std::vector<std::pair<std::size_t, std::string>>> terms;  // by number: parameter, term
+  for (std::size_t i = 0; i < parameters.size() && !places.empty(); ++i) {
+    const std::string& path = parameters[i].path;
+    const std::size_t dot = path.rfind('.');
+    if (path.find('.') < dot && !parameters[i].prior) terms[path.substr(0, dot)].emplace_back(i, path.substr(dot + 1));
+  }
+  std::vector<WeakDirection> all;
+  for (const auto& [number, members] : terms) {
+    Eigen::MatrixXd a = Eigen::MatrixXd::Ones(std::ssize(places), std::ssize(members));
+    for (Eigen::Index k = 0; k < a.cols(); ++k) {
+      const auto term = std::ranges::find(mtf::kFieldTerms, members[static_cast<std::size_t>(k)].second);
+      for (Eigen::Index p = 0; p < a.rows() && term != mtf::kFieldTerms.end(); ++p)
+        a(p, k) = mtf::field_terms(
+            places[static_cast<std::size_t>(p)])[static_cast<std::size_t>(term - mtf::kFieldTerms.begin())];
+      a.col(k) /= std::max(a.col(k).norm(), 1e-300);
+    }
+    const Eigenpairs pairs = eigenpairs(a.transpose() * a);
+    for (Eigen::Index d = 0; d < pairs.values.size() && pairs.values[d] < kAlike; ++d) {
+      WeakDirection weak;
+      for (Eigen::Index k = 0; k < a.cols(); ++k)
+        if (std::abs(pairs.vectors(k, d)) > kPart) {
+          weak.members.push_back(members[static_cast<std::size_t>(k)].first);
+          weak.weight.push_back(pairs.vectors(k, d));
+        }
+      all.push_back(std::move(weak));
+    }
+  }
+  return all;
+}
+
+/// How many of the numbers lie as far apart from one another, round a period.
+std::size_t number_apart(std::vector<double> numbers, double apart, double period) {
+  std::ranges::sort(numbers);
+  std::vector<double> kept;
+  for (const double one : numbers)
+    if (kept.empty() || (one - kept.back() >= apart && kept.front() + period - one >= apart)) kept.push_back(one);
+  return kept.size();
+}
+
+/// Sets what a weak direction says where the data lie in too few directions from the axis, or at too few distances.
+void say_where_data_lie(const FitProblem& problem, WeakWords& words) {
+  constexpr double kApart_deg = 20.0, kApart = 0.15, kNear = 0.05;
+  std::vector<double> direction_deg, distance;
+  for (const auto& q : places_of(problem)) {
+    distance.push_back(std::hypot(q.x, q.y));
+    if (distance.back() > kNear) direction_deg.push_back(std::atan2(q.y, q.x) * kRadian_deg);
+  }
+  if (distance.empty()) return;
+  const std::size_t directions = number_apart(std::move(direction_deg), kApart_deg, 360.0),
+                    distances = number_apart(std::move(distance), kApart, std::numeric_limits<double>::infinity());
+  if (directions >= kFewPlaces && distances >= kFewPlaces) return;
+  words.from = "edges in " + std::to_string(directions) + " directions from the optical axis and at " +
+               std::to_string(distances) + " distances from it";
+  words.advice = words.single_advice = "take edges in 3 directions and at 3 distances at least";
 }
 
 /// Second moment that the members add together, with its sd: known where each acts by its square.
@@ -207,6 +282,10 @@ Information information_of(const FitProblem& problem, std::span<const Eigen::Mat
 
 void identify(Solved& solved) {
   solved.identified = identify(solved.information.matrix, solved.reference);
+  for (const WeakDirection& weak : solved.confounded) {
+    solved.identified.weak.push_back(weak);
+    for (const std::size_t i : weak.members) solved.identified.determined[i] = false;
+  }
   solved.variance_ratio.assign(solved.reference.size(), 1.0);
   const auto white = [](const Eigen::MatrixXd& scores) { return scores.size() == 0; };
   if (std::ranges::all_of(solved.scores, white)) return;
@@ -226,6 +305,7 @@ void judge(Solved& solved, std::span<const FitParameter> parameters) {
   solved.reference.clear();
   for (std::size_t i = 0; i < problem.variables.size(); ++i)
     solved.reference.push_back(reference_of(problem.variables[i], problem.x[i], parameters[i]));
+  solved.confounded = confounded_terms(problem, parameters);
   identify(solved);
 }
 
@@ -236,7 +316,7 @@ double sd_of(const Solved& solved, const Functional& functional) {
 
 std::vector<Functional> mtf_of(const Solved& solved, std::span<const double> f_cy_px) {
   const FitProblem& problem = *solved.problem;
-  const OtfTable h = problem.sensors->otf(solved.condition, along(solved.angle_rad, f_cy_px));
+  const OtfTable h = problem.sensors->otf(solved.place, along(solved.angle_rad, f_cy_px));
   std::vector<Functional> all;
   for (std::size_t k = 0; k < f_cy_px.size(); ++k) {
     const auto [re, im] = h[0][k];
@@ -256,9 +336,9 @@ std::vector<Functional> mtf_of(const Solved& solved, std::span<const double> f_c
 Functional equivalent_variance(const Solved& solved, int nodes) {
   // As far as the modulus has fallen to 0.9.
   const Sensors& sensors = *solved.problem->sensors;
-  double top = 0.25 * sensors.top_cy_px(solved.condition, solved.angle_rad);
+  double top = 0.25 * sensors.top_cy_px(solved.place, solved.angle_rad);
   const auto modulus = [&](double f) {
-    return sensors.modulus(solved.condition, along(solved.angle_rad, {&f, 1})).front();
+    return sensors.modulus(solved.place, along(solved.angle_rad, {&f, 1})).front();
   };
   while (top > 1e-6 && modulus(top) < 0.9) top *= 0.8;
   std::vector<double> f;
@@ -394,6 +474,7 @@ std::vector<NullDirection> null_directions(FitProblem& problem, const Solved& so
                             : solved.normals_rad.size() == 1 ? "one edge"
                             : single                         ? "edges of one direction"
                                                              : "these edges"};
+    say_where_data_lie(problem, words);
     if (helped) words.advice = words.single_advice = "add an edge across";
     if (names.size() > 1)
       if (const auto moment = combined_moment(problem, solved, weak.members))

@@ -58,12 +58,13 @@ struct Solved {
   std::vector<ResidualTests> tests{};     ///< of the residuals of every block
   std::vector<Eigen::MatrixXd> scores{};  ///< covariance of the scores of every block whose pixels share their noise
   Information information{};
-  std::vector<double> reference{};  ///< reference of every x, see identifiability.h
+  std::vector<double> reference{};          ///< reference of every x, see identifiability.h
+  std::vector<WeakDirection> confounded{};  ///< terms over the field that the places of the data do not tell apart
   Identified identified{};
   /// Variance of every x, in that which independent pixels would leave; 1 where they are.
   std::vector<double> variance_ratio{};
-  std::size_t condition = 0;
-  double angle_rad = 0.0;             ///< of the normal along which MTF and variance are given
+  std::size_t place = 0;              ///< Sensors::place for which MTF and variance are given
+  double angle_rad = 0.0;             ///< of the normal along which they are
   std::vector<double> normals_rad{};  ///< directions of all edges
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calib/fit/parameter_site.h"
 
+#include <algorithm>
 #include <charconv>
 
 #include "calib/fit/fit.h"
@@ -24,27 +25,36 @@ constexpr FieldInfo kFNumber{.name = "f_number", .lo = 0.1, .hi = 1e4};
 constexpr FieldInfo kAperture{.name = "aperture", .unit = "mm", .lo = 1e-6, .hi = 1e6};
 constexpr FieldInfo kObscuration{.name = "obscuration", .lo = 0.0, .hi = 1.0, .hi_open = true};
 constexpr FieldInfo kWavelength{.name = "wavelength", .unit = "um", .lo = 0.01, .hi = 1e5};
+constexpr std::string_view kOnAxis = "1";  // the term that is a number's value on the optical axis
+constexpr FieldInfo kAxisPlace{.name = "optical_axis", .unit = "px", .lo = -1e5, .hi = 1e5};
 
 template <class S>
 ParameterSite<S> in_frame(System<S>& system, std::string_view name) {
   mtf::Frame<S>& frame = system.frame;
-  if (name == "focal_length") return {{&frame.focal_length_mm}, &kFocalLength};
-  if (name == "integration_time") return {{&frame.integration_time_s}, &kIntegrationTime};
-  if (name == "pitch") return {{&frame.pitch_x_um, &frame.pitch_y_um}, &kPitch};
-  if (name == "pitch_x") return {{&frame.pitch_x_um}, &kPitch};
-  if (name == "pitch_y") return {{&frame.pitch_y_um}, &kPitch};
+  if (name == "focal_length") return {{&frame.focal_length_mm}, kFocalLength};
+  if (name == "integration_time") return {{&frame.integration_time_s}, kIntegrationTime};
+  if (name == "pitch") return {{&frame.pitch_x_um, &frame.pitch_y_um}, kPitch};
+  if (name == "pitch_x") return {{&frame.pitch_x_um}, kPitch};
+  if (name == "pitch_y") return {{&frame.pitch_y_um}, kPitch};
   return {};
 }
 
 template <class S>
 ParameterSite<S> in_optics(System<S>& system, std::string_view name) {
   const auto site = [](std::optional<S>& number, const FieldInfo& info) {
-    return number ? ParameterSite<S>{{&*number}, &info} : ParameterSite<S>{};
+    return number ? ParameterSite<S>{{&*number}, info} : ParameterSite<S>{};
   };
   if (name == "f_number") return site(system.optics.f_number, kFNumber);
   if (name == "aperture") return site(system.optics.aperture_mm, kAperture);
   if (name == "obscuration") return site(system.optics.obscuration, kObscuration);
   if (name == "wavelength") return site(system.optics.wavelength_um, kWavelength);
+  return {};
+}
+
+template <class S>
+ParameterSite<S> in_axis(System<S>& system, std::string_view name) {
+  if (name == "x") return {{&system.field.axis_x_px}, kAxisPlace};
+  if (name == "y") return {{&system.field.axis_y_px}, kAxisPlace};
   return {};
 }
 
@@ -94,6 +104,31 @@ S* number_in(const System<S>& system, const FieldRef<S>& field, std::string_view
   return mtf::detail::number_of(field, indices == 1 ? index[0] : suffix == "_y" ? 1 : 0);
 }
 
+/// Index of an element of a list, of a row of taps; of a pair along the axes its part.
+std::size_t element_of(std::string_view name, std::span<const std::size_t> index) {
+  return !index.empty() ? index.front() : name.ends_with("_y") ? 1 : 0;
+}
+
+/// The coefficient of a number that changes over the field. It may have either sign, and be as large as the number's
+/// range is wide; that of an angle half a turn.
+template <class S>
+ParameterSite<S> coefficient_of(System<S>& system, std::size_t entry, const FieldInfo& info, std::string_view name,
+                                std::span<const std::size_t> index, std::string_view term) {
+  const auto k = std::ranges::find(mtf::kFieldTerms, term) - mtf::kFieldTerms.begin();
+  for (mtf::FieldNumber<S>& number : system.field.numbers) {
+    if (k == std::ssize(mtf::kFieldTerms) || number.entry != entry || number.element != element_of(name, index))
+      continue;
+    const auto fields = system.list(Stage::presample)[entry].component.fields();
+    if (fields[number.field].info->name != info.name) continue;
+    FieldInfo range = info;
+    range.hi = info.unit == "deg" ? 180.0 : info.hi - info.lo;
+    range.lo = -range.hi;
+    range.lo_open = range.hi_open = false;
+    return {{&number.coefficient[static_cast<std::size_t>(k)]}, range};
+  }
+  return {};
+}
+
 }  // namespace
 
 template <class S>
@@ -103,7 +138,11 @@ ParameterSite<S> parameter_site(System<S>& system, std::string_view path) {
   std::string_view place = path.substr(0, dot), name = path.substr(dot + 1);
   if (place == "frame") return in_frame(system, name);
   if (place == "optics") return in_optics(system, name);
+  if (place == "optical_axis") return in_axis(system, name);
 
+  std::string_view term = kOnAxis;
+  if (const std::size_t end = name.rfind('.'); end != std::string_view::npos)
+    term = name.substr(end + 1), name = name.substr(0, end);
   std::vector<std::size_t> index;
   while (const auto i = take_index(name)) index.insert(index.begin(), *i);
   const auto entry = take_index(place);
@@ -112,7 +151,10 @@ ParameterSite<S> parameter_site(System<S>& system, std::string_view path) {
     for (const FieldRef<S>& field : system.list(stage)[*entry].component.fields()) {
       const std::string own(field.info->name);
       if (name != own && name != own + "_x" && name != own + "_y") continue;
-      if (S* number = number_in(system, field, name, index)) return {{number}, field.info};
+      S* const number = number_in(system, field, name, index);
+      if (number == nullptr) continue;
+      if (term == kOnAxis) return {{number}, *field.info};
+      if (stage == Stage::presample) return coefficient_of(system, *entry, *field.info, name, index, term);
     }
   }
   return {};

@@ -12,8 +12,8 @@ namespace calib {
 
 template <class S>
 struct ParameterSite {
-  std::vector<S*> numbers;               ///< empty when there is no such number; two for "frame.pitch"
-  const mtf::FieldInfo* info = nullptr;  ///< bounds, in the unit that the number is held in
+  std::vector<S*> numbers;  ///< empty when there is no such number; two for "frame.pitch"
+  mtf::FieldInfo info{};    ///< bounds, in the unit that the number is held in
 };
 
 /// See parameter_at in fit.h. The pointers hold until the system is copied or its lists change. For double and Jet4.

@@ -7,6 +7,7 @@
 
 #include "calib/fit/parameter_site.h"
 #include "mtf/otf/band_mean.h"
+#include "mtf/otf/otf_series.h"
 
 namespace calib {
 namespace {
@@ -109,19 +110,56 @@ void mean_over_band(const System<S>& system, std::span<const Component<S>* const
   }
 }
 
+/// h[i] *= the OTF of a component that costs microseconds a frequency, along one ray: from its series between kinks.
+template <class S>
+void multiply_by_series(const Component<S>& component, const mtf::Context<S>& context, const Ray<S>& ray,
+                        std::span<Complex<S>> h) {
+  constexpr double kError = 1e-7;  // of H, as of the mean over a band
+  constexpr std::size_t kMostPanels = 64;
+  std::vector<Freq<S>> f;
+  const auto evaluate = [&](std::span<const double> t, mtf::SeriesValues<S, 1>& values) {
+    f.clear();
+    for (const double one : t) f.push_back({ray.unit.x * one, ray.unit.y * one});
+    values[0].assign(t.size(), {S(1), S(0)});
+    component.multiply(f, context, values[0]);
+  };
+  const double end = std::min(*std::ranges::max_element(ray.t), component.cutoff_cy_mm(context));
+  std::vector<mtf::SeriesPanel<S, 1>> panels;
+  mtf::append_series<S, 1>(panels, {0.0, end}, kError, kMostPanels, component.kinks_cy_mm(context), evaluate);
+  std::vector<bool> within(h.size());
+  for (const mtf::SeriesPanel<S, 1>& panel : panels) {
+    std::vector<std::size_t> here;
+    std::vector<double> t;
+    for (std::size_t i = 0; i < h.size(); ++i)
+      if (!within[i] && ray.t[i] <= panel.map.hi) {
+        within[i] = true;
+        here.push_back(i);
+        t.push_back(panel.map.t(ray.t[i]));
+      }
+    const mtf::ComplexValues<S> values = mtf::at_places(panel.otf[0], t);
+    for (std::size_t k = 0; k < here.size(); ++k) h[here[k]] = h[here[k]] * values[k];
+  }
+  for (std::size_t i = 0; i < h.size(); ++i)
+    if (!within[i]) h[i] = {S(0), S(0)};  // beyond the cutoff
+}
+
 template <class S>
 std::vector<Complex<S>> product(const System<S>& system, std::span<const Kinks> kinks, std::span<const Freq<S>> f) {
+  constexpr std::size_t kFew = 32;  // frequencies that cost less than a series
   std::vector<Complex<S>> h(f.size(), {S(1), S(0)}), mean(f.size());
+  const std::optional<Ray<S>> ray = f.empty() ? std::nullopt : common_ray(f);
   const mtf::Context<S> middle = system.context();
   for (std::size_t stage = 0; stage < mtf::kStages.size(); ++stage) {
     std::vector<const Component<S>*> chromatic;
     for (const auto& entry : system.list(mtf::kStages[stage]))
       if (system.band && entry.component.traits(middle).chromatic)
         chromatic.push_back(&entry.component);
+      else if (entry.component.is_slow() && ray && f.size() > kFew)
+        multiply_by_series<S>(entry.component, middle, *ray, h);
       else
         entry.component.multiply(f, middle, h);
     if (chromatic.empty() || f.empty()) continue;
-    if (const auto ray = common_ray(f)) {
+    if (ray) {
       mean_over_band<S>(system, chromatic, kinks[stage], *ray, mean);
     } else {
       for (std::size_t i = 0; i < f.size(); ++i)
@@ -198,6 +236,7 @@ std::vector<PixelFreq> along(double angle_rad, std::span<const double> f_cy_px) 
 Sensors::Sensors(std::span<const System<double>> conditions, std::span<const std::string> paths)
     : count_(paths.size()), systems_(conditions.begin(), conditions.end()) {
   for (std::size_t c = 0; c < systems_.size(); ++c) {
+    places_.push_back({c});
     auto& numbers = numbers_.emplace_back();
     for (const std::string& path : paths) numbers.push_back(parameter_site(systems_[c], path).numbers);
     auto& seeded = jets_.emplace_back(count_ / kStride + 1);  // the direction is one more variable
@@ -228,55 +267,94 @@ bool Sensors::set(std::span<const double> values) {
   return allowed_;
 }
 
-OtfTable Sensors::otf(std::size_t condition, std::span<const PixelFreq> f, const mtf::Unit* unit) const {
+std::size_t Sensors::place(std::size_t condition, std::vector<Point> points) {
+  const System<double>& system = systems_[condition];
+  if (system.is_isoplanatic()) return condition;
+  for (const Point& point : points) system.field_point(point.x, point.y);  // throws where it is not known
+  places_.push_back({condition, std::move(points)});
+  return places_.size() - 1;
+}
+
+std::optional<mtf::FieldPoint<double>> Sensors::field_point(std::size_t place) const {
+  const auto& [condition, points] = places_[place];
+  if (points.empty()) return std::nullopt;
+  Point middle;
+  for (const Point& point : points) middle = {middle.x + point.x, middle.y + point.y};
+  const auto n = static_cast<double>(points.size());
+  return systems_[condition].field_point(middle.x / n, middle.y / n);
+}
+
+template <class S>
+std::vector<System<S>> Sensors::seen_from(const Place& place, const System<S>& system) {
+  if (place.points.empty()) return {system};
+  std::vector<System<S>> all;
+  for (const Point& point : place.points) all.push_back(system.at(system.field_point(point.x, point.y)));
+  return all;
+}
+
+std::vector<System<double>> Sensors::seen_at(std::size_t place) const {
+  return seen_from(places_[place], systems_[places_[place].condition]);
+}
+
+OtfTable Sensors::otf(std::size_t place, std::span<const PixelFreq> f, const mtf::Unit* unit) const {
   const std::size_t n = f.size();
   OtfTable table(count_ + 2, std::vector<Complex<double>>(n));
   std::vector<Freq<Jet4>> at(n + 1);
-  const std::vector<Kinks> kinks = kinks_of(systems_[condition]);
-  for (std::size_t chunk = 0; chunk < jets_[condition].size(); ++chunk) {
-    const System<Jet4>& system = jets_[condition][chunk].system;
+  const Place& here = places_[place];
+  const std::vector<Seeded>& seeded = jets_[here.condition];
+  const std::vector<Kinks> kinks = kinks_of(seen_at(place).front());
+  for (std::size_t chunk = 0; chunk < seeded.size(); ++chunk) {
     const std::size_t first = chunk * kStride, last = std::min(first + kStride, count_ + 1);
-    at[0] = {Jet4(0.0), Jet4(0.0)};  // frequency 0
-    for (std::size_t i = 0; i < n; ++i) {
-      Jet4 x(f[i].x), y(f[i].y);
-      if (last == count_ + 1) {
-        x.v[static_cast<Eigen::Index>(count_ - first)] = f[i].dx;
-        y.v[static_cast<Eigen::Index>(count_ - first)] = f[i].dy;
+    const std::vector<System<Jet4>> systems = seen_from(here, seeded[chunk].system);
+    const double share = 1.0 / static_cast<double>(systems.size());
+    for (const System<Jet4>& system : systems) {
+      at[0] = {Jet4(0.0), Jet4(0.0)};  // frequency 0
+      for (std::size_t i = 0; i < n; ++i) {
+        Jet4 x(f[i].x), y(f[i].y);
+        if (last == count_ + 1) {
+          x.v[static_cast<Eigen::Index>(count_ - first)] = f[i].dx;
+          y.v[static_cast<Eigen::Index>(count_ - first)] = f[i].dy;
+        }
+        at[i + 1] = to_focal_plane(system.frame, x, y, unit);
       }
-      at[i + 1] = to_focal_plane(system.frame, x, y, unit);
-    }
-    const std::vector<Complex<Jet4>> h = product<Jet4>(system, kinks, at);
-    const Jet4 at_zero = h[0].re;
-    for (std::size_t i = 0; i < n; ++i) {
-      const Jet4 re = h[i + 1].re / at_zero, im = h[i + 1].im / at_zero;
-      table[0][i] = {re.a, im.a};
-      for (std::size_t k = first; k < last; ++k) {
-        const auto lane = static_cast<Eigen::Index>(k - first);
-        table[k + 1][i] = {re.v[lane], im.v[lane]};
+      const std::vector<Complex<Jet4>> h = product<Jet4>(system, kinks, at);
+      for (std::size_t i = 0; i < n; ++i) {
+        const Jet4 re = share * (h[i + 1].re / h[0].re), im = share * (h[i + 1].im / h[0].re);
+        const auto add = [](Complex<double>& sum, double a, double b) { sum = {sum.re + a, sum.im + b}; };
+        if (chunk == 0) add(table[0][i], re.a, im.a);
+        for (std::size_t k = first; k < last; ++k) {
+          const auto lane = static_cast<Eigen::Index>(k - first);
+          add(table[k + 1][i], re.v[lane], im.v[lane]);
+        }
       }
     }
   }
   return table;
 }
 
-double Sensors::response_at_zero(std::size_t condition) const {
-  const System<double>& system = systems_[condition];
+double Sensors::response_at_zero(std::size_t place) const {
+  const System<double> system = seen_at(place).front();
   const Freq<double> none{0.0, 0.0};
   return product<double>(system, kinks_of(system), {&none, 1}).front().re;
 }
 
-std::vector<double> Sensors::modulus(std::size_t condition, std::span<const PixelFreq> f) const {
+std::vector<double> Sensors::modulus(std::size_t place, std::span<const PixelFreq> f) const {
   std::vector<PixelFreq> with_zero{{}};
   with_zero.insert(with_zero.end(), f.begin(), f.end());
-  const System<double>& system = systems_[condition];
-  const auto h = product<double>(system, kinks_of(system), to_focal_plane(system, with_zero));
+  const std::vector<System<double>> systems = seen_at(place);
+  std::vector<Complex<double>> sum(f.size());
+  for (const System<double>& system : systems) {
+    const auto h = product<double>(system, kinks_of(system), to_focal_plane(system, with_zero));
+    for (std::size_t i = 0; i < f.size(); ++i)
+      sum[i] = sum[i] + Complex<double>{h[i + 1].re / h[0].re, h[i + 1].im / h[0].re};
+  }
   std::vector<double> all;
-  for (std::size_t i = 1; i < h.size(); ++i) all.push_back(std::hypot(h[i].re, h[i].im) / std::abs(h[0].re));
+  for (const auto& [re, im] : sum) all.push_back(std::hypot(re, im) / static_cast<double>(systems.size()));
   return all;
 }
 
-double Sensors::top_cy_px(std::size_t condition, double angle_rad) const {
-  const System<double>& system = systems_[condition];
+double Sensors::top_cy_px(std::size_t place, double angle_rad) const {
+  const System<double> system = seen_at(place).front();
   double top = kMostTop_cy_px;
   for (const Stage stage : mtf::kStages)
     for (const auto& entry : system.list(stage)) {
@@ -292,7 +370,7 @@ double Sensors::top_cy_px(std::size_t condition, double angle_rad) const {
   const std::vector<Freq<double>> at = to_focal_plane(system, along(angle_rad, f));
   std::vector<double> most(f.size());
   for (const auto& context : contexts(system)) {
-    std::vector<Complex<double>> h(f.size(), {1.0 / std::abs(response_at_zero(condition)), 0.0});
+    std::vector<Complex<double>> h(f.size(), {1.0 / std::abs(response_at_zero(place)), 0.0});
     for (const Stage stage : mtf::kStages)
       for (const auto& entry : system.list(stage))
         if (!entry.component.is_pupil()) entry.component.multiply(at, context, h);
@@ -303,8 +381,8 @@ double Sensors::top_cy_px(std::size_t condition, double angle_rad) const {
   return last < f.size() ? std::min(top, f[last] * 1.06) : top;
 }
 
-SliceNodes Sensors::slice(std::size_t condition, double angle_rad, double range_px) const {
-  const System<double>& system = systems_[condition];
+SliceNodes Sensors::slice(std::size_t place, double angle_rad, double range_px) const {
+  const System<double> system = seen_at(place).front();
   const double scale = scale_of(system, angle_rad);
   std::vector<double> breaks;
   for (const Stage stage : mtf::kStages)
@@ -312,7 +390,7 @@ SliceNodes Sensors::slice(std::size_t condition, double angle_rad, double range_
       for (const auto& context : contexts(system))
         for (const double f : entry.component.kinks_cy_mm(context)) breaks.push_back(f / scale);
   constexpr double kLeastTop_cy_px = 1e-6;  // a sensor that passes nothing is no error here
-  return slice_nodes(std::max(kLeastTop_cy_px, top_cy_px(condition, angle_rad)), range_px, breaks);
+  return slice_nodes(std::max(kLeastTop_cy_px, top_cy_px(place, angle_rad)), range_px, breaks);
 }
 
 }  // namespace calib

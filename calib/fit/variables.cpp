@@ -23,7 +23,7 @@ struct Response {
 Response response(const Sensors& sensors, std::span<const Probe> probes, std::size_t i) {
   Response all;
   for (const Probe& probe : probes) {
-    const OtfTable table = sensors.otf(probe.condition, probe.f, probe.unit);
+    const OtfTable table = sensors.otf(probe.place, probe.f, probe.unit);
     for (std::size_t k = 0; k < probe.f.size(); ++k)
       for (const auto part : {&mtf::Complex<double>::re, &mtf::Complex<double>::im}) {
         all.h.push_back(table[0][k].*part);
@@ -60,17 +60,17 @@ struct Prober {
 
 /// The starting values, those of signed parameters that would do nothing there moved to where they act: beside a
 /// spherical aberration of 0 a defocus acts by its square, beside another it does not.
-std::vector<double> acting_values(const Prober& prober, std::span<const mtf::FieldInfo* const> infos) {
+std::vector<double> acting_values(const Prober& prober, std::span<const mtf::FieldInfo> infos) {
   constexpr double kSeen = 0.02, kNothing = 1e-3;
   std::vector<double> values(prober.start.begin(), prober.start.end());
   if (infos.size() < 2) return values;
   for (std::size_t i = 0; i < values.size(); ++i) {
-    if (!(infos[i]->lo < 0.0 && infos[i]->hi > 0.0)) continue;
+    if (!(infos[i].lo < 0.0 && infos[i].hi > 0.0)) continue;
     const Response none = prober.at(i, 0.0);
     const auto effect = [&](double value) { return largest_difference(prober.at(i, value).h, none.h); };
     if (effect(values[i]) > kNothing) continue;
     double value = std::max(std::abs(values[i]), 1e-6);
-    while (4.0 * value < infos[i]->hi && effect(value) < kSeen) value *= 4.0;
+    while (4.0 * value < infos[i].hi && effect(value) < kSeen) value *= 4.0;
     values[i] = value;
   }
   return values;
@@ -131,14 +131,14 @@ double Variable::x_of(double value) const {
 }
 
 std::vector<Variable> make_variables(Sensors& sensors, std::span<const FitParameter> parameters,
-                                     std::span<const double> start, std::span<const mtf::FieldInfo* const> infos,
+                                     std::span<const double> start, std::span<const mtf::FieldInfo> infos,
                                      std::span<const Probe> probes) {
   const Prober prober{sensors, probes, start};
-  for (std::size_t i = 0; i < parameters.size(); ++i) check_numbers(parameters[i], *infos[i], start[i]);
+  for (std::size_t i = 0; i < parameters.size(); ++i) check_numbers(parameters[i], infos[i], start[i]);
   const std::vector<double> acting = acting_values(prober, infos);
   std::vector<Variable> all;
   for (std::size_t i = 0; i < parameters.size(); ++i) {
-    const mtf::FieldInfo& info = *infos[i];
+    const mtf::FieldInfo& info = infos[i];
     // Open ends of a range are not allowed themselves.
     const double inside = 1e-9 * std::max(1.0, std::abs(start[i]));
     const double field_lo = info.lo_open ? info.lo + inside : info.lo,

@@ -41,9 +41,9 @@ struct Variable {
   double x_of(double value) const;
 };
 
-/// Frequencies at which the data of a condition depend on the parameters.
+/// Frequencies at which some of the data depend on the parameters.
 struct Probe {
-  std::size_t condition = 0;
+  std::size_t place = 0;  ///< Sensors::place
   std::vector<PixelFreq> f;
   const mtf::Unit* unit = nullptr;  ///< unit of f, where that is not cy/px
 };
@@ -51,7 +51,7 @@ struct Probe {
 /// Finds steps and squares at the present values. Leaves the sensors at the starting values. Throws UsageError for
 /// bounds that leave no value, priors without a width, numbers that are not finite.
 std::vector<Variable> make_variables(Sensors& sensors, std::span<const FitParameter> parameters,
-                                     std::span<const double> start, std::span<const mtf::FieldInfo* const> infos,
+                                     std::span<const double> start, std::span<const mtf::FieldInfo> infos,
                                      std::span<const Probe> probes);
 
 /// Where a size is so large that more of it changes nothing, the minimiser has no gradient to follow: such a starting

@@ -57,6 +57,20 @@ TEST(ParameterAt, ListsByIndex) {
     EXPECT_EQ(parameter_at(s, path), nullptr) << path;
 }
 
+TEST(ParameterAt, TermsOverTheField) {
+  System<double> s = fit_cases::camera(8.0);
+  auto jitter = mtf::test::jitter(2.0);
+  s.add(Stage::presample, jitter);
+  s.field.numbers.push_back({2, 0, 0, {0.0, 0.5, 0.0, 0.25}});
+  EXPECT_EQ(*parameter_at(s, "presample[2].rms.1"), 2.0);
+  EXPECT_EQ(*parameter_at(s, "presample[2].rms.r2"), 0.5);
+  EXPECT_EQ(*parameter_at(s, "presample[2].rms.x"), 0.25);
+  EXPECT_EQ(*parameter_at(s, "presample[2].rms.y2"), 0.0);  // of a number that changes, so that it can be fitted
+  EXPECT_EQ(parameter_at(s, "optical_axis.y"), &s.field.axis_y_px);
+  for (const char* path : {"presample[2].rms.r3", "presample[2].rms.", "presample[1].width.x", "optical_axis.z"})
+    EXPECT_EQ(parameter_at(s, path), nullptr) << path;
+}
+
 TEST(ParameterAt, NothingForWhatIsNotThere) {
   System<double> s = fit_cases::camera(8.0);
   for (const char* path : {"", ".", "frame", "frame.", "frame.columns", "optics.aperture", "presample[2].width",

@@ -23,8 +23,8 @@ constexpr double kSmallest_x = 1e-6;
 /// not allow it.
 class InformationAt {
  public:
-  InformationAt(FitProblem& problem, const Solved& solved, std::size_t i)
-      : problem_(&problem), solved_(&solved), i_(i), x_(problem.x[i]) {}
+  InformationAt(SomeBlocks& some, std::size_t i)
+      : problem_(&some.problem), solved_(&some.solved), i_(i), x_(some.problem.x[i]), of_all_(1.0 / some.share) {}
   InformationAt(const InformationAt&) = delete;
   InformationAt& operator=(const InformationAt&) = delete;
   ~InformationAt() {
@@ -36,9 +36,9 @@ class InformationAt {
     if (!problem_->apply()) return std::nan("");
     const std::vector<Eigen::MatrixXd> normals = problem_->normals();
     if (!std::ranges::all_of(normals, [](const auto& one) { return one.allFinite(); })) return std::nan("");
-    return left_of(
-        information_of(*problem_, normals, problem_->score_covariances(noise_of(solved_->tests)), solved_->noise_factor)
-            .matrix);
+    return of_all_ * left_of(information_of(*problem_, normals, problem_->score_covariances(noise_of(solved_->tests)),
+                                            solved_->noise_factor)
+                                 .matrix);
   }
   double left_of(const Eigen::MatrixXd& information) const {
     const auto i = static_cast<Eigen::Index>(i_);
@@ -51,6 +51,7 @@ class InformationAt {
   const Solved* solved_;
   std::size_t i_;
   double x_;
+  double of_all_;  ///< information of all blocks, in that of these
 };
 
 /// Vertex of the parabola through the information at x - h, x, x + h; none where that has no least value.
@@ -61,11 +62,13 @@ std::optional<double> least_information(const InformationAt& information, double
   return x + 0.5 * h * (below - above) / bend;
 }
 
-std::vector<double> centres(const InformationAt& information, const Variable& v, double x, double sd) {
+/// `few`: of many sets of data each sees a term over the field at another size, and no centre but 0 is that of all.
+std::vector<double> centres(const InformationAt& information, const Variable& v, double x, double sd, bool few) {
   constexpr double kDirection_deg = 5.0, kFarthest = 10.0;  // steps
   std::vector<double> all;
   if (!v.has_sign() && !v.direction) return all;
   if (v.has_sign()) all.push_back(0.0);
+  if (!few) return all;
   const double h = v.direction ? kDirection_deg / v.step : 0.5 * std::min(sd, std::max(1.0, 0.1 * std::abs(x)));
   const auto near = least_information(information, x, h);
   if (!near || std::abs(*near - x) > kFarthest * std::max(h, std::abs(x))) return all;
@@ -96,16 +99,17 @@ std::optional<FlatPoint> if_flat(const InformationAt& information, FlatPoint poi
   return 4.0 * half * half < kFlat * effect * effect ? std::optional(point) : std::nullopt;
 }
 
-std::optional<FlatPoint> flat_point(FitProblem& problem, const Solved& solved, std::size_t i) {
+std::optional<FlatPoint> flat_point(SomeBlocks& some, std::size_t i) {
   constexpr double kQuarter_deg = 45.0;  // of the way from a direction that acts most to the next one
-  const Variable& v = problem.variables[i];
+  const Solved& solved = some.solved;
+  const Variable& v = some.problem.variables[i];
   const auto index = static_cast<Eigen::Index>(i);
-  const double x = problem.x[i], sd = std::sqrt(solved.identified.covariance(index, index));
+  const double x = some.problem.x[i], sd = std::sqrt(solved.identified.covariance(index, index));
   // The effect of a square is linear in it, or quadratic where its partners can compensate for the linear part. Where
   // it is undetermined then, it is reported as such.
   const bool made_good = sd * sd * solved.information.matrix(index, index) > kMadeGood;
   if (v.squared && !(made_good && solved.identified.determined[i])) return std::nullopt;
-  const InformationAt information(problem, solved, i);
+  const InformationAt information(some, i);
   const double here = information.left_of(solved.information.matrix);
   const bool low = x - v.lo <= v.hi - x;
   const double away = low ? x - v.lo : v.hi - x;
@@ -113,7 +117,7 @@ std::optional<FlatPoint> flat_point(FitProblem& problem, const Solved& solved, s
     const FlatPoint bound{.parameter = i, .at = low ? v.lo : v.hi, .side = low ? 1.0 : -1.0};
     if (const auto flat = if_flat(information, bound, v.hi - v.lo, x, sd, here)) return flat;
   }
-  for (const double at : centres(information, v, x, sd)) {
+  for (const double at : centres(information, v, x, sd, some.share == 1.0)) {
     if (!(std::abs(x - at) < kNear_sd * sd)) continue;
     const FlatPoint centre{.parameter = i, .at = at, .side = x < at ? -1.0 : 1.0, .inside = true};
     const double range = v.direction ? kQuarter_deg / v.step : x < at ? at - v.lo : v.hi - at;
@@ -126,17 +130,18 @@ std::optional<FlatPoint> flat_point(FitProblem& problem, const Solved& solved, s
 
 double FlatPoint::off_point(double x) const { return std::abs(x - at) < off ? at + side * off : x; }
 
-std::vector<FlatPoint> flat_points(FitProblem& problem, const Solved& solved) {
+std::vector<FlatPoint> flat_points(const FitProblem& problem, const Solved& solved) {
+  SomeBlocks some = some_blocks(problem, solved);
   std::vector<FlatPoint> all;
   for (std::size_t i = 0; i < problem.variables.size(); ++i)
-    if (const auto flat = flat_point(problem, solved, i)) all.push_back(*flat);
+    if (const auto flat = flat_point(some, i)) all.push_back(*flat);
   return all;
 }
 
-std::vector<double> possible_centres(FitProblem& problem, const Solved& solved, std::size_t i) {
+std::vector<double> possible_centres(SomeBlocks& some, std::size_t i) {
   const auto index = static_cast<Eigen::Index>(i);
-  return centres(InformationAt(problem, solved, i), problem.variables[i], problem.x[i],
-                 std::sqrt(solved.identified.covariance(index, index)));
+  return centres(InformationAt(some, i), some.problem.variables[i], some.problem.x[i],
+                 std::sqrt(some.solved.identified.covariance(index, index)), some.share == 1.0);
 }
 
 void set_apart(Solved& solved, std::span<const FlatPoint> flat) {

@@ -14,7 +14,7 @@
 
 #include <vector>
 
-#include "calib/fit/fit_report.h"
+#include "calib/fit/confidence/some_blocks.h"
 
 namespace calib {
 
@@ -32,11 +32,11 @@ struct FlatPoint {
 
 /// For the parameters near a flat point at the solution; afterwards the problem is at the solution again. Costs a
 /// few passes over the data for a parameter that a bound is near to or that has both signs, nothing for the others.
-std::vector<FlatPoint> flat_points(FitProblem& problem, const Solved& solved);
+std::vector<FlatPoint> flat_points(const FitProblem& problem, const Solved& solved);
 
 /// Where the effect of variable i, which has both signs or is a direction, may be mirrored: at 0, and where its
 /// information, a parabola about such a centre, has its least value. The problem is at the solution again afterwards.
-std::vector<double> possible_centres(FitProblem& problem, const Solved& solved, std::size_t i);
+std::vector<double> possible_centres(SomeBlocks& some, std::size_t i);
 
 /// Takes a parameter at its flat point out of the information: except for rounding, first derivatives tell nothing of
 /// its correlation with the others there.

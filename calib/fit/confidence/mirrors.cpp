@@ -2,6 +2,7 @@
 #include "calib/fit/confidence/mirrors.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -80,12 +81,13 @@ Change exchanged(FitProblem& problem, std::size_t i, std::size_t k) {
   return change;
 }
 
-std::vector<Change> single_changes(FitProblem& problem, const Solved& solved) {
+std::vector<Change> single_changes(SomeBlocks& some) {
+  FitProblem& problem = some.problem;
   const std::vector<double> x = problem.x;
   std::vector<Change> all;
   for (std::size_t i = 0; i < x.size(); ++i) {
     const Variable& v = problem.variables[i];
-    for (const double centre : possible_centres(problem, solved, i)) all.push_back({{i, 2.0 * centre - x[i]}});
+    for (const double centre : possible_centres(some, i)) all.push_back({{i, 2.0 * centre - x[i]}});
     if (v.direction)
       for (const double turn_deg : {90.0, 180.0}) all.push_back({{i, x[i] + turn_deg / v.step}});
     for (std::size_t k = 0; k < i; ++k)
@@ -94,42 +96,74 @@ std::vector<Change> single_changes(FitProblem& problem, const Solved& solved) {
   return all;
 }
 
-std::vector<Change> changes(FitProblem& problem, const Solved& solved) {
-  std::vector<Change> all = single_changes(problem, solved);
+/// Variables whose signs may belong together: all that have one, and those of them that alone, the others being 0, act
+/// by their square.
+std::vector<std::vector<std::size_t>> sign_groups(FitProblem& problem) {
+  constexpr double kSame = 1e-9;
+  constexpr std::array kFrequencies{0.08, 0.17, 0.3};  // at which an edge sees what a sign does
+  const std::vector<double> x = problem.x;
+  std::vector<std::size_t> with_sign, even;
+  for (std::size_t i = 0; i < x.size(); ++i)
+    if (problem.variables[i].has_sign()) with_sign.push_back(i), problem.x[i] = 0.0;
+  const std::vector<double> none = problem.x;
+  const auto response = [&](std::size_t i, double value) {
+    problem.x = none;
+    problem.x[i] = value;
+    std::vector<mtf::Complex<double>> h;
+    if (!problem.apply()) return h;
+    for (const Block& block : problem.blocks)
+      if (const auto* edge = std::get_if<EdgeBlock>(&block)) {
+        const OtfTable table =
+            problem.sensors->otf(edge->place(), along(edge->data().start.curve.angle_rad, kFrequencies));
+        h.insert(h.end(), table[0].begin(), table[0].end());
+      }
+    return h;
+  };
+  for (const std::size_t i : with_sign.size() > 2 ? with_sign : std::vector<std::size_t>{}) {
+    const auto up = response(i, std::abs(x[i])), down = response(i, -std::abs(x[i]));
+    const auto same = [](const auto& a, const auto& b) { return std::hypot(a.re - b.re, a.im - b.im) < kSame; };
+    if (!up.empty() && std::ranges::equal(up, down, same)) even.push_back(i);
+  }
+  problem.x = x;
+  problem.apply();
+  return {std::move(with_sign), std::move(even)};
+}
+
+std::vector<Change> changes(SomeBlocks& some) {
+  std::vector<Change> all = single_changes(some);
   const std::size_t single = all.size();
   const auto of_others = [](const Change& a, const Change& b) {
     return std::ranges::none_of(a, [&](const auto& one) {
       return std::ranges::any_of(b, [&](const auto& other) { return one.first == other.first; });
     });
   };
-  for (std::size_t i = 0; i < single; ++i)
+  for (std::size_t i = 0; i < single && some.share == 1.0; ++i)  // many sets of data tell these apart
     for (std::size_t k = 0; k < i; ++k) {
       if (!of_others(all[i], all[k])) continue;
       Change both = all[i];
       both.insert(both.end(), all[k].begin(), all[k].end());
       all.push_back(std::move(both));
     }
-  Change signs;
-  for (std::size_t i = 0; i < problem.x.size(); ++i)
-    if (problem.variables[i].has_sign()) signs.emplace_back(i, -problem.x[i]);
-  if (signs.size() > 2) all.push_back(std::move(signs));
+  for (const std::vector<std::size_t>& group : sign_groups(some.problem)) {
+    Change signs;
+    for (const std::size_t i : group) signs.emplace_back(i, -some.problem.x[i]);
+    if (signs.size() > 2) all.push_back(std::move(signs));
+  }
   return all;
 }
 
-void thin_out(FitProblem& problem, std::size_t pixels) {
-  for (Block& block : problem.blocks)
-    if (auto* edge = std::get_if<EdgeBlock>(&block)) edge->thin_out(edge->every_for(pixels));
-}
-
-/// Where the changes that promise most lead, by some of the pixels: minima about as low as the present one.
-std::vector<std::vector<double>> places_to_try(FitProblem& problem, const Solved& solved,
+/// Where the changes that promise most lead, by some of the data: minima about as low as the present one.
+std::vector<std::vector<double>> places_to_try(const FitProblem& all_data, const Solved& solved,
                                                const std::function<bool()>& go_on) {
   constexpr double kAsLow = 10.0, kCoarse = 1e-6;  // half of chi-square, of some of the pixels
+  SomeBlocks some = some_blocks(all_data, solved);
+  FitProblem& problem = some.problem;
   const FitPoint here = problem.here();
   const std::vector<double> sd = sd_of_x(solved);
   std::vector<std::pair<double, std::vector<double>>> promises;
-  const std::vector<Change> all = changes(problem, solved);
-  thin_out(problem, kSomePixels);
+  const std::vector<Change> all = changes(some);
+  for (Block& block : problem.blocks)
+    if (auto* edge = std::get_if<EdgeBlock>(&block)) edge->thin_out(edge->every_for(kSomePixels));
   for (const Change& change : all) {
     problem.x = here.x;
     bool allowed = true;
@@ -149,14 +183,16 @@ std::vector<std::vector<double>> places_to_try(FitProblem& problem, const Solved
     return promises.empty() ? Solution{} : solve(problem, {.go_on = go_on, .tolerance = kCoarse});
   };
   const double best = minimum_from(here.x).cost;
+  const std::vector<double> best_x = problem.x;
+  std::vector<double> sd_of_some;
+  for (const double one : sd) sd_of_some.push_back(one / std::sqrt(some.share));
   std::vector<std::vector<double>> places;
   for (const auto& [chi2, start] : promises) {
     const Solution there = minimum_from(start);
-    if (there.converged && there.cost < best + kAsLow && differs(problem, sd, here.x, problem.x))
+    if (there.converged && there.cost < best + kAsLow && differs(problem, sd_of_some, best_x, problem.x))
       places.push_back(problem.x);
   }
-  thin_out(problem, std::numeric_limits<std::size_t>::max());
-  problem.go_to(here);
+  all_data.apply();
   return places;
 }
 
@@ -218,6 +254,20 @@ void extend_intervals(FittedParameter& p, const OtherValue& other, const Variabl
 std::string value_text(const FitParameter& parameter, double value, double sd) {
   const int digits = sd > 0.0 ? static_cast<int>(std::log10(std::max(1.0, std::abs(value) / sd))) + 2 : 4;
   return mtf::significant(value, std::min(digits, 8)) + (parameter.unit.empty() ? "" : " " + parameter.unit);
+}
+
+/// Whether other values are those of a wavefront with the opposite sign, which the same wavefront out of focus is not.
+bool is_other_sign(const FitProblem& problem, const FitResult& result, const Alternative& one) {
+  const auto& entries = problem.sensors->system(0).list(mtf::Stage::presample);
+  for (std::size_t k = 0; k < one.parameters.size(); ++k) {
+    const FittedParameter& p = result.parameters[one.parameters[k]];
+    const auto holds = [&](const auto& entry) {
+      const std::string place = "presample[" + std::to_string(&entry - entries.data()) + "].";
+      return entry.component.is_pupil() && p.parameter.path.starts_with(place);
+    };
+    if (std::ranges::none_of(entries, holds) || !(std::abs(one.values[k] + p.value) <= p.linear_sd)) return false;
+  }
+  return true;
 }
 
 }  // namespace
@@ -294,6 +344,7 @@ void report_mirrors(FitProblem& problem, const Solved& solved, std::span<const M
     }
     one.text = mtf::listed(names) + ": the data do not tell " + mtf::listed(values) + " from " + mtf::listed(others);
     if (one.chi2_rise >= 0.05) one.text += ", where chi-square is higher by " + mtf::significant(one.chi2_rise, 2);
+    if (is_other_sign(problem, result, one)) one.text += "; an image at another focus that is known tells the sign";
     result.alternatives.push_back(std::move(one));
   };
   for (const Mirror& mirror : mirrors) {

@@ -5,10 +5,11 @@
 // a change of parameters, chi-square has a minimum at both places. The changes that are tried:
 //   p -> -p             a parameter with both signs: a defocus, an acceleration; coma in a curve without phase
 //   p -> 2 c - p        about another centre (flat_points.h): a defocus beside the file's own spherical aberration
-//   several signs       at once: the wavefront (w020, w040) -> -(w020, w040)
+//   several signs       at once: the wavefront (w020, w040) -> -(w020, w040), with all terms over the field of its even
+//                       part, while odd ones (coma) keep theirs: W(p) -> -W(-p) leaves the OTF as it is
 //   a turn              of a direction by 90 or 180 degrees, alone or with a sign: astigmatism
 //   p <-> q             two squares by their effects: a footprint and a travel along it
-// and each two of them together. Squares (variables.h) are even exactly and need no search.
+// and, of a few sets of data, each two of them together. Squares (variables.h) are even exactly and need no search.
 
 #include "calib/fit/confidence/flat_points.h"
 #include "calib/fit/fit_rounds.h"

@@ -37,7 +37,7 @@ CurveBlock::CurveBlock(const CurveData& data) : data_(&data) {
 }
 
 NormalMatrix CurveBlock::normal(const Sensors& sensors, std::span<const double>) const {
-  const OtfTable h = sensors.otf(condition(), f_, data_->unit);
+  const OtfTable h = sensors.otf(place(), f_, data_->unit);
   const std::size_t n = sensors.parameters();
   NormalMatrix all(n);
   for (std::size_t i = 0; i < f_.size(); ++i) {
@@ -57,7 +57,7 @@ NormalMatrix CurveBlock::normal(const Sensors& sensors, std::span<const double>)
 }
 
 std::vector<Residual> CurveBlock::residuals(const Sensors& sensors, std::span<const double>) const {
-  const OtfTable h = sensors.otf(condition(), f_, data_->unit);
+  const OtfTable h = sensors.otf(place(), f_, data_->unit);
   std::vector<Residual> all;
   for (std::size_t i = 0; i < f_.size(); ++i) {
     const double model = signed_ ? h[0][i].re : std::hypot(h[0][i].re, h[0][i].im);

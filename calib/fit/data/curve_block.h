@@ -14,7 +14,8 @@ class CurveBlock {
   /// Throws UsageError for sizes that differ, numbers that are not finite, negative frequencies, sd not above 0.
   explicit CurveBlock(const CurveData& data);
 
-  std::size_t condition() const { return data_->condition; }
+  /// Index of what it sees (Sensors::place): the optical axis under its condition.
+  std::size_t place() const { return data_->condition; }
   const CurveData& data() const { return *data_; }
   /// In the curve's unit.
   std::span<const PixelFreq> frequencies() const { return f_; }

@@ -149,7 +149,7 @@ const std::vector<EdgeBlock::Place>& EdgeBlock::places(std::span<const double> o
   return places_;
 }
 
-EdgeBlock::EdgeBlock(const EdgeData& data) : data_(&data) {
+EdgeBlock::EdgeBlock(const EdgeData& data) : data_(&data), place_(data.condition) {
   const Roi& roi = data.roi;
   const EdgeCurve& curve = data.start.curve;
   const Point normal = curve.normal();
@@ -246,8 +246,8 @@ EdgeCurve EdgeBlock::curve(std::span<const double> own) const {
 const StepResponse& EdgeBlock::response(const Sensors& sensors, const EdgeCurve& curve) const {
   if (kept_.sensors == &sensors && kept_.version == sensors.version() && kept_.angle_rad == curve.angle_rad)
     return *kept_.step;
-  const SliceNodes nodes = sensors.slice(data_->condition, curve.angle_rad, range_px_);
-  OtfTable h = sensors.otf(data_->condition, along(curve.angle_rad, nodes.f_cy_px));
+  const SliceNodes nodes = sensors.slice(place_, curve.angle_rad, range_px_);
+  OtfTable h = sensors.otf(place_, along(curve.angle_rad, nodes.f_cy_px));
   double most = 0.0;
   for (const auto& by_angle : h.back()) most = std::max(most, std::hypot(by_angle.re, by_angle.im));
   const bool turns = most > kTurns;

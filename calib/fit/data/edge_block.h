@@ -26,7 +26,9 @@ class EdgeBlock {
  public:
   explicit EdgeBlock(const EdgeData& data);
 
-  std::size_t condition() const { return data_->condition; }
+  /// Index of what it sees (Sensors::place); that of its condition unless it is set.
+  std::size_t place() const { return place_; }
+  void set_place(std::size_t place) { place_ = place; }
   const EdgeData& data() const { return *data_; }
   std::size_t pixels() const { return pixels_.size(); }
   /// A part of the pixels, so that no region takes unbounded memory.
@@ -96,6 +98,7 @@ class EdgeBlock {
   double sd_at(double value) const;
 
   const EdgeData* data_;
+  std::size_t place_;
   bool robust_ = false;
   std::size_t every_ = 1;
   bool gradients_ = false;

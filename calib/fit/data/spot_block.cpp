@@ -40,7 +40,7 @@ Complex<double> turned(double turns) {
 
 }  // namespace
 
-SpotBlock::SpotBlock(const SpotData& data) : data_(&data), roi_(data.roi) {
+SpotBlock::SpotBlock(const SpotData& data) : data_(&data), place_(data.condition), roi_(data.roi) {
   find_peak();
   if (reason_.empty()) measure_rim();
   if (reason_.empty()) start_from_light();
@@ -149,8 +149,8 @@ std::size_t SpotBlock::period_px(double top_cy_px) const {
 }
 
 std::vector<std::vector<double>> SpotBlock::images(const Sensors& sensors, double x0, double y0) const {
-  const double top_x = std::max(1e-3, sensors.top_cy_px(condition(), 0.0)),
-               top_y = std::max(1e-3, sensors.top_cy_px(condition(), 0.5 * std::numbers::pi));
+  const double top_x = std::max(1e-3, sensors.top_cy_px(place_, 0.0)),
+               top_y = std::max(1e-3, sensors.top_cy_px(place_, 0.5 * std::numbers::pi));
   const std::size_t n = period_px(std::max(top_x, top_y));
   const auto period = static_cast<double>(n);
   const auto harmonics = [&](double top) {
@@ -168,7 +168,7 @@ std::vector<std::vector<double>> SpotBlock::images(const Sensors& sensors, doubl
   for (std::int64_t j = -my; j <= my; ++j) {
     const double fy = static_cast<double>(j) / period;
     for (std::size_t i = 0; i < f.size(); ++i) f[i] = {static_cast<double>(i) / period, fy, 0.0, 0.0};
-    const OtfTable h = sensors.otf(condition(), f);  // half the plane: H(-f) is the conjugate of H(f)
+    const OtfTable h = sensors.otf(place_, f);  // half the plane: H(-f) is the conjugate of H(f)
     const Complex<double> down = turned(static_cast<double>(j) * dy / period);
     const std::size_t row =
         static_cast<std::size_t>((j % static_cast<std::int64_t>(n)) + static_cast<std::int64_t>(n)) % n * n;

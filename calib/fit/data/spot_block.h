@@ -16,8 +16,13 @@ class SpotBlock {
  public:
   explicit SpotBlock(const SpotData& data);
 
-  std::size_t condition() const { return data_->condition; }
+  /// Index of what it sees (Sensors::place); that of its condition unless it is set.
+  std::size_t place() const { return place_; }
+  void set_place(std::size_t place) { place_ = place; }
   const SpotData& data() const { return *data_; }
+  /// The middle of its light, px.
+  double x_px() const { return x0_; }
+  double y_px() const { return y0_; }
   /// The part of the data's region that is used.
   const Roi& roi() const { return roi_; }
   bool cut() const { return roi_.width < data_->roi.width || roi_.height < data_->roi.height; }
@@ -46,6 +51,7 @@ class SpotBlock {
   std::size_t period_px(double top_cy_px) const;
 
   const SpotData* data_;
+  std::size_t place_;
   bool robust_ = false;
   std::size_t pixels_ = 0;
   std::string reason_;

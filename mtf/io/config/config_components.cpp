@@ -4,7 +4,8 @@
 // field of view (mtf/field_terms.h):
 //   w020 = { 1 = -0.3, r2 = 0.5 }   rms = { 1 = "2 urad", x = "0.5 urad" }   w131 = { table = "coma.csv" }
 //   orientation = "field"
-// The term 1 is the value on the optical axis, 0 where it is not given.
+// The term 1 is the value on the optical axis, 0 where it is not given. A term that mtf fit may change is a fit table,
+// w020 = { 1 = -0.3, x = { value = 0.06, fit = true } }, with the path "presample[0].w020.x".
 
 #include <algorithm>
 #include <charconv>
@@ -201,7 +202,8 @@ void take_over_field(const Section& section, Stage stage, std::size_t entry, Sys
                            "changes over the field, which components of [[presample]] alone may; write one number");
     } else if (!place || detail::number_of(fields[place->field], place->element) == nullptr) {
       // Something else about it was wrong, and is said.
-    } else if (!terms.angle && !terms.map && std::all_of(terms.coefficient.begin(), terms.coefficient.end(), is_zero)) {
+    } else if (!terms.angle && !terms.map && !terms.fit &&
+               std::all_of(terms.coefficient.begin(), terms.coefficient.end(), is_zero)) {
       // The same everywhere.
     } else if (terms.angle) {
       system.field.angles.push_back({entry, place->field});
@@ -329,9 +331,12 @@ std::optional<Scalar> read_over_field(Reader& reader, const Node& node, const Fi
       good = false;
       continue;
     }
-    auto scalar = read_plain(reader, member.value, info, section.at(member.key));
+    const bool fit = member.value.kind == Node::Kind::table;
+    auto scalar = (fit ? read_fit : read_plain)(reader, member.value, info, section.at(member.key));
+    terms.fit = terms.fit || fit;
     if (scalar && first && scalar->unit != first->unit) {
-      if (scalar->unit->dimension == first->unit->dimension && scalar->unit->dimension != Dimension::frequency) {
+      if (!fit && scalar->unit->dimension == first->unit->dimension &&
+          scalar->unit->dimension != Dimension::frequency) {
         scalar = Scalar{convert({scalar->value, scalar->unit}, first->unit->name), first->unit};
       } else {
         section.error(member.key, shown(member.value) + " does not go with terms in " + std::string(first->unit->name) +
@@ -364,6 +369,7 @@ void refuse_over_field(Reader& reader) {
 }
 
 std::string over_field_text(const System<double>& system, std::string_view path, const Scalar& on_axis,
+                            const std::function<std::string(const std::string& path, const Scalar& number)>& text_of,
                             const std::function<std::string(const std::string& source)>& file) {
   const std::optional<NumberAt> at = number_at(system, path);
   if (!at) return {};
@@ -372,13 +378,14 @@ std::string over_field_text(const System<double>& system, std::string_view path,
   const FieldNumber<double>* number = at->number;
   if (number == nullptr) return {};
   std::vector<std::string> members;
+  const auto add = [&](std::string_view name, double value) {
+    const std::string text = text_of(std::string(path) + "." + std::string(name), {value, on_axis.unit});
+    if (!text.empty()) members.push_back(std::string(name) + " = " + text);
+  };
   if (number->map) members.push_back(std::string(kTableKey) + " = " + toml_string(file(number->map->source)));
   const double constant = number->map ? on_axis.value - system.mapped(*number, {}) : on_axis.value;
-  if (constant != 0.0 || !number->map)
-    members.push_back(std::string(kConstant) + " = " + toml_scalar({constant, on_axis.unit}));
-  for (std::size_t i = 0; i < kFieldTerms.size(); ++i)
-    if (number->coefficient[i] != 0.0)
-      members.push_back(std::string(kFieldTerms[i]) + " = " + toml_scalar({number->coefficient[i], on_axis.unit}));
+  if (constant != 0.0 || !number->map) add(kConstant, constant);
+  for (std::size_t i = 0; i < kFieldTerms.size(); ++i) add(kFieldTerms[i], number->coefficient[i]);
   return "{ " + joined(members) + " }";
 }
 

@@ -70,7 +70,14 @@ std::optional<double> read_like(const Section& section, std::string_view key, co
   return convert({scalar->value, scalar->unit}, value.unit->name);
 }
 
-/// A fit table; the value of it when usable.
+std::optional<Scalar> read_plain_or_fit(Reader& reader, const Node& node, const FieldInfo& info,
+                                        const std::string& path) {
+  if (is_over_field(node, info)) return read_over_field(reader, node, info, path);
+  return node.kind == Node::Kind::table ? read_fit(reader, node, info, path) : read_plain(reader, node, info, path);
+}
+
+}  // namespace
+
 std::optional<Scalar> read_fit(Reader& reader, const Node& table, const FieldInfo& info, const std::string& path) {
   const Section section{reader, table, path, "the table of " + std::string(info.name)};
   const Node* node = find_value(section, info);
@@ -91,14 +98,6 @@ std::optional<Scalar> read_fit(Reader& reader, const Node& table, const FieldInf
   reader.fits.push_back(std::move(spec));
   return value;
 }
-
-std::optional<Scalar> read_plain_or_fit(Reader& reader, const Node& node, const FieldInfo& info,
-                                        const std::string& path) {
-  if (is_over_field(node, info)) return read_over_field(reader, node, info, path);
-  return node.kind == Node::Kind::table ? read_fit(reader, node, info, path) : read_plain(reader, node, info, path);
-}
-
-}  // namespace
 
 void Reader::error(Position position, std::string path, std::string text) {
   failed.insert(path);

@@ -21,6 +21,7 @@ struct FieldTerms {
   std::string path;
   Position position;
   bool angle = false;
+  bool fit = false;  ///< some stand in fit tables, so that they stay terms where they are 0
   std::array<double, kFieldTerms.size()> coefficient{};
   std::shared_ptr<const FieldMap> map{};
   std::size_t column = 0;  ///< of the map
@@ -83,6 +84,9 @@ std::optional<Scalar> read_plain(Reader& reader, const Node& node, const FieldIn
 /// A value or a table { value, fit, min, max, prior, stderr, interval }, which leaves a FitSpec.
 std::optional<Scalar> read_scalar(const Section& section, const FieldInfo& info, std::string_view key);
 
+/// Such a table alone; the value of it when usable.
+std::optional<Scalar> read_fit(Reader& reader, const Node& table, const FieldInfo& info, const std::string& path);
+
 /// A value within the range of `info`, no table: for what is never fitted.
 std::optional<double> read_number(const Section& section, const FieldInfo& info, std::string_view key);
 
@@ -134,9 +138,11 @@ bool is_field_term(std::string_view key);
 std::optional<Scalar> read_over_field(Reader& reader, const Node& node, const FieldInfo& info, const std::string& path);
 /// Reports terms of numbers that are no component's, such as the focal length.
 void refuse_over_field(Reader& reader);
-/// How a sensor file has the number at that path: { 1 = "2 urad", r2 = "0.5 urad" }; "" where it is one number. `file`:
-/// the name of a table's file there.
+/// How a sensor file has the number at that path: { 1 = "2 urad", r2 = "0.5 urad" }; "" where it is one number.
+/// `text`: a term's number at its own path, or nothing where it need not be written. `file`: the name of a table's file
+/// there.
 std::string over_field_text(const System<double>& system, std::string_view path, const Scalar& on_axis,
+                            const std::function<std::string(const std::string& path, const Scalar& number)>& text,
                             const std::function<std::string(const std::string& source)>& file);
 
 /// The file of the positions between which the rows of numbers at that path are interpolated; "" where they are given.

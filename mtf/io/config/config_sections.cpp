@@ -30,7 +30,8 @@ std::optional<SettingValue> read_flag(const Section& section, std::string_view k
   return std::nullopt;
 }
 
-/// A number, also out of a fit table whose `fit` is false: only the OTF is fitted.
+/// A number, also out of a fit table whose `fit` is false: only the OTF is fitted, which the optical axis is part of
+/// where it changes over the field.
 std::optional<SettingValue> read_bounded(const Section& section, const FieldInfo& info) {
   const Node& node = *section.find(info.name);
   if (node.kind != Node::Kind::table) {
@@ -44,7 +45,7 @@ std::optional<SettingValue> read_bounded(const Section& section, const FieldInfo
   }
   if (!scalar) return std::nullopt;
   const FitSpec& spec = section.reader.fits.back();
-  if (spec.path == section.at(info.name) && spec.fit) {
+  if (spec.path == section.at(info.name) && spec.fit && section.path != "optical_axis") {
     section.error(info.name, "cannot be fitted: it is no part of the OTF; remove fit = true");
     return std::nullopt;
   }

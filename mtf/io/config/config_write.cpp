@@ -40,10 +40,14 @@ class Writer {
   /// The number, or the fit table of this path if there is one.
   std::string with_fit(std::string_view key, const Scalar& scalar) const {
     const std::string path = path_ + "." + std::string(key);
-    if (std::string terms =
-            cfg::over_field_text(config_.system, path, scalar, [this](const auto& source) { return path_of(source); });
-        !terms.empty())
-      return terms;
+    const auto term = [this](const std::string& at, const Scalar& number) {
+      return number.value == 0.0 && !at.ends_with(".1") && !is_fit(at) ? "" : number_at(at, number);
+    };
+    const auto file = [this](const std::string& source) { return path_of(source); };
+    const std::string terms = cfg::over_field_text(config_.system, path, scalar, term, file);
+    return terms.empty() ? number_at(path, scalar) : terms;
+  }
+  std::string number_at(const std::string& path, const Scalar& scalar) const {
     const auto spec = find_fit(path);
     if (spec == config_.fits.end()) return toml_scalar(scalar);
     std::string fit = "{ value = " + toml_scalar(scalar) + ", fit = " + (spec->fit ? "true" : "false");

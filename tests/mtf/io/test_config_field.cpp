@@ -85,6 +85,39 @@ TEST(ConfigField, TermsOfZeroAreTheSameEverywhere) {
   EXPECT_DOUBLE_EQ(*lens->w222, 0.0);
 }
 
+TEST(ConfigField, TermsCanBeFitted) {
+  const std::string lens =
+      "[[presample]]\nkind = \"wavefront\"\norientation = \"field\"\nw020 = { 1 = { value = -0.3, fit = true }, r2 = "
+      "0.5, x = { value = 0.0, fit = true, min = -1.0, max = 2.0, prior = { mean = 0.1, sd = 0.2 } } }\n"
+      "w040 = { y = { value = 0.0, interval = [-0.1, 0.2] } }\n"
+      "[[presample]]\nkind = \"jitter\"\nrms = { 1 = \"2 um\", r2 = { value = \"1 um\", stderr = \"0.1 um\" } }\n";
+  SensorConfig config = parsed(lens);
+  ASSERT_EQ(config.fits.size(), 4u);
+  EXPECT_EQ(config.fits[0].path, "presample[0].w020.1");
+  EXPECT_EQ(config.fits[1].path, "presample[0].w020.x");
+  EXPECT_EQ(config.fits[1].max, 2.0);
+  EXPECT_EQ(config.fits[1].prior, (std::array{0.1, 0.2}));
+  EXPECT_EQ(config.fits[2].interval, (std::array{-0.1, 0.2}));
+  EXPECT_EQ(config.fits[3].unit, "um");
+  EXPECT_EQ(config.system.field.numbers.size(), 3u);  // terms of 0 stay where they are in tables
+
+  const ConfigResult again = parse_config(write_config(config), "s.toml");
+  ASSERT_TRUE(again.ok()) << format_diagnostic(again.diagnostics.front(), "s.toml");
+  EXPECT_EQ(again.config.system.field, config.system.field);
+  ASSERT_EQ(again.config.fits.size(), 4u);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const FitSpec &a = config.fits[i], &b = again.config.fits[i];
+    EXPECT_EQ(std::tie(a.path, a.fit, a.unit, a.value, a.min, a.max, a.stderr_value, a.prior, a.interval),
+              std::tie(b.path, b.fit, b.unit, b.value, b.min, b.max, b.stderr_value, b.prior, b.interval));
+  }
+  config.fits[1].stderr_value = 0.01;
+  const std::vector<std::optional<double>> values{-0.25, 0.06, std::nullopt, 0.9};
+  const SensorConfig fitted = parse_config(splice_fits(config, values), "s.toml").config;
+  EXPECT_EQ(fitted.fits[1].stderr_value, 0.01);
+  const auto* there = fitted.system.at({1.0, 0.0}).list(Stage::presample)[0].component.get_if<Wavefront<double>>();
+  EXPECT_NEAR(*there->w020, -0.25 + 0.5 + 0.06, 1e-15);
+}
+
 TEST(ConfigField, ALensThatKeepsItsDirectionIsNamed) {
   const auto notes = [](const std::string& body) {
     std::string text;
@@ -101,6 +134,9 @@ TEST(ConfigField, WhatCannotBeIsRefused) {
   expect_error("[[presample]]\nkind = \"wavefront\"\nw131 = { r = 0.7, r3 = 1 }\n", {"r3", "r4"});
   expect_error("[[presample]]\nkind = \"jitter\"\nrms = { 1 = \"2 um\", r = \"3 urad\" }\n", {"um", "one unit"});
   expect_error("[[presample]]\nkind = \"jitter\"\nrms = { 1 = \"2 um\", r = 3 }\n", {"unit"});
+  expect_error("[[presample]]\nkind = \"jitter\"\nrms = { 1 = \"2 um\", r2 = { value = \"1 mm\", fit = true } }\n",
+               {"rms.r2", "one unit"});
+  expect_error("[[presample]]\nkind = \"wavefront\"\nw020 = { x = { fit = true } }\n", {"w020.x", "value"});
   expect_error("[[readout]]\nkind = \"crosstalk\"\nside = { 1 = 0.02, r2 = 0.01 }\n",
                {"readout[0].side", "[[presample]]"});
   expect_error("[[presample]]\nkind = \"footprint\"\nwidth = { 1 = \"2 um\", x = \"-4 um\" }\n",
@@ -121,6 +157,11 @@ TEST(ConfigField, TablesOfTheChainAreRefused) {
   const ConfigResult axis = parse_config(kHead + "[optical_axis]\nx = \"3 px\"\n" + kLens, "s.toml", schema);
   ASSERT_TRUE(axis.ok());
   EXPECT_EQ(axis.config.system.field.axis_x_px, 3.0);
+  const ConfigResult fitted =
+      parse_config(kHead + "[optical_axis]\nx = { value = \"3 px\", fit = true }\n" + kLens, "s.toml", schema);
+  ASSERT_TRUE(fitted.ok());
+  EXPECT_EQ(fitted.config.fits.at(0).path, "optical_axis.x");
+  EXPECT_EQ(fitted.config.system.field.axis_x_px, 3.0);
 }
 
 }  // namespace
