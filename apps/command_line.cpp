@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "mtf/io/image_io.h"
+#include "mtf/io/image_formats.h"
 
 namespace apps {
 namespace {
 
-// Names in the OpenEXR files of a command line, for completion. Words that are no such file, and files that cannot be
+// Names in the image files of a command line, for completion. Words that are no such file, and files that cannot be
 // read, have none; only headers are read.
 
 using Words = std::vector<std::string>;
@@ -25,7 +25,7 @@ Words of_channels(const Words& line, Of of) {
     if (!std::filesystem::is_regular_file(word, error)) continue;
     try {
       // Of other formats the headers tell no layers, and need the module of codecs.
-      if (mtf::io::detect_format(word) != mtf::io::Format::exr) continue;
+      if (!mtf::io::row_of(mtf::io::detect_format(word)).in_pieces()) continue;
       for (const mtf::io::ChannelInfo& channel : mtf::io::read_info(word).channels) found.push_back(of(channel));
     } catch (const std::exception&) {  // the command itself will say so
     }

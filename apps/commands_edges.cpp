@@ -78,7 +78,8 @@ Command measure_command() {
       "  mtf measure edge.png\n"
       "  mtf measure edge.png --roi 10,12,80,96 --format json -o edge.json --plot edge.svg"};
   auto& options = options_of<MeasureOptions>(app, run_measure);
-  add_text(app, "images", "IMAGE...", "OpenEXR, PNG, TIFF or JPEG", options.input.images).required = true;
+  add_text(app, "images", "IMAGE...", "images of any format of mtf info --formats", options.input.images).required =
+      true;
   add_edge_input(app, options.input);
   add_value(app, "--order", "N", "of the polynomial that the edge follows, 1 to 5; default: by an F-test",
             options.order, whole(1, 5));
@@ -125,7 +126,7 @@ Command fit_command() {
   auto& options = options_of<FitOptions>(
       app, [](const auto& given, const Global& global) { return fits_module().fit(given, global); });
   add_file(app, "sensor", "sensor file (TOML) with numbers to fit", options.sensor);
-  add_text(app, "images", "IMAGE...", "images of edges: OpenEXR, PNG, TIFF or JPEG", options.input.images);
+  add_text(app, "images", "IMAGE...", "images of edges (mtf info --formats)", options.input.images);
   add_edge_input(app, options.input);
   add_text(app, "--curve", "FILE[@DEG]",
            "MTF curves (CSV: frequency_cy_mm,mtf[,sd], or of mtf curve, or of mtf measure --curves) along a "

@@ -52,16 +52,18 @@ Command demo_command() {
 }
 
 Command simulate_command() {
-  Command app{"simulate", "a radiance image through the sensor",
-              "Scenes: OpenEXR, PNG, TIFF. Output by extension: .exr (float), .png or .tif (16 bits).\n"
-              "The tolerance is the rms error over the output pixels, relative to the scene's standard deviation.\n"
-              "A number in a name, as in frame.%04d.exr, makes it a sequence: its frames run in parallel. A schedule\n"
-              "has the header frame,parameter,value and lines such as 20,jitter.rms,8 urad: from frame 20 on the\n"
-              "component labelled jitter has that rms, until a later line changes it. With a schedule or --frames\n"
-              "the scene may be one image; there is an output for every frame that the schedule names, or those of\n"
-              "--frames, each with noise of its own.",
-              "  mtf simulate sensor.toml scene.exr -o out.exr\n"
-              "  mtf simulate sensor.toml frame.%04d.exr -o out.%04d.exr --tolerance 1e-3 --report run.json"};
+  Command app{
+      "simulate", "a radiance image through the sensor",
+      "Scenes: images of any format of mtf info --formats. Output by extension: .exr, .hdr (ENVI; float), .png or\n"
+      ".tif (16 bits).\n"
+      "The tolerance is the rms error over the output pixels, relative to the scene's standard deviation.\n"
+      "A number in a name, as in frame.%04d.exr, makes it a sequence: its frames run in parallel. A schedule\n"
+      "has the header frame,parameter,value and lines such as 20,jitter.rms,8 urad: from frame 20 on the\n"
+      "component labelled jitter has that rms, until a later line changes it. With a schedule or --frames\n"
+      "the scene may be one image; there is an output for every frame that the schedule names, or those of\n"
+      "--frames, each with noise of its own.",
+      "  mtf simulate sensor.toml scene.exr -o out.exr\n"
+      "  mtf simulate sensor.toml frame.%04d.exr -o out.%04d.exr --tolerance 1e-3 --report run.json"};
   auto& options = options_of<SimulateCommandOptions>(app, run_simulate);
   add_file(app, "sensor", "sensor file (TOML)", options.sensor);
   add_file(app, "scene", "image of the scene, or frame.%04d.exr for a sequence", options.scene);
@@ -102,11 +104,12 @@ Command simulate_command() {
             options.run.frames, frame_range);
   add_text(app, "--schedule", "FILE", "parameters that change over frames: CSV with frame,parameter,value",
            options.run.schedule);
-  add_value(app, "--memory", "SIZE",
-            "most memory to use, such as 512MiB or 2GB: the scene (OpenEXR) goes through in tiles;\n"
-            "stages of a sensor with [detector] that need the whole image are refused by name.\n"
-            "Without it that is done only where the whole image does not fit the machine",
-            options.run.memory, byte_count);
+  add_value(
+      app, "--memory", "SIZE",
+      "most memory to use, such as 512MiB or 2GB: the scene (OpenEXR, ENVI, FITS, PGM, BMP) goes through in tiles;\n"
+      "stages of a sensor with [detector] that need the whole image are refused by name.\n"
+      "Without it that is done only where the whole image does not fit the machine",
+      options.run.memory, byte_count);
   add_value(app, "--roi", "X,Y,W,H", "pixels of the output that are wanted; only what they need is computed",
             options.run.region, rectangle);
   add_choice(app, "--resume", "MODE", "a stopped run in tiles: auto (default) continues it, no starts over", kResume,

@@ -121,11 +121,13 @@ Command budget_command() {
 
 Command info_command() {
   Command app{"info", "what a file holds, and the command to run next",
-              "Reads OpenEXR, PNG and TIFF images and sensor files (.toml).",
+              "Reads images (--formats: of which formats) and sensor files (.toml).",
               "  mtf info scene.exr\n"
-              "  mtf info scene.exr --format json"};
+              "  mtf info --formats"};
   auto& options = options_of<InfoOptions>(app, run_info);
-  add_file(app, "file", "image or sensor file", options.file);
+  add_text(app, "file", "FILE", "image or sensor file", options.file);
+  add_flag(app, "--formats", "the formats of images: what is read, written, applied, noted and refused",
+           options.formats);
   add_channel_choice(app, options.read);
   add_format(app, "table (default), csv (of the channels) or json", options.format);
   return app;

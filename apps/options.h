@@ -46,6 +46,7 @@ struct DevicesOptions {
 
 struct InfoOptions {
   std::string file;
+  bool formats = false;  ///< the table of image formats, in place of a file
   Format format = Format::table;
   mtf::io::ReadOptions read;  ///< which channels of the image
 };

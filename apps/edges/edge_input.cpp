@@ -110,7 +110,8 @@ void hide_masked(const std::string& file, const std::string& image, std::vector<
 /// Least and largest linear value of the file's scale; a table may fall, and then its end is the least.
 std::array<double, 2> linear_scale(const mtf::io::ImageFile& file, const mtf::io::Encoding& encoding) {
   const double full = mtf::io::full_scale(file.info);
-  const double start = mtf::io::decode(encoding, 0.0, full), end = mtf::io::decode(encoding, full, full);
+  const double start = mtf::io::decode(encoding, mtf::io::least_stored(file.info), full),
+               end = mtf::io::decode(encoding, full, full);
   return {std::min(start, end), std::max(start, end)};
 }
 

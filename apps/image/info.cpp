@@ -18,7 +18,7 @@
 #include "mtf/error.h"
 #include "mtf/io/channel_choice.h"
 #include "mtf/io/exr/spectral_exr.h"
-#include "mtf/io/image_io.h"
+#include "mtf/io/image_formats.h"
 #include "mtf/io/scene.h"
 #include "mtf/units.h"
 #include "mtf/words.h"
@@ -79,6 +79,7 @@ std::string meaning(const FileInfo& info) {
            "[scene] of the sensor file gives a gain";
   if (std::none_of(info.channels.begin(), info.channels.end(), is_float))
     return "whole numbers, unit not stated: [scene] of the sensor file has to give gain, offset and quantity";
+  if (info.format != mtf::io::Format::exr) return "not stated: [scene] of the sensor file has to give quantity";
   return "not stated: radiance assumed, W.m^-2.sr^-1, unless [scene] of the sensor file gives another quantity";
 }
 
@@ -116,7 +117,7 @@ void measure_raster(ImageFacts& facts, const InfoOptions& options) {
       if (channel.channel.name == image.names[i]) measure(channel, image.planes[i]);
 }
 
-void measure_exr(ImageFacts& facts, const InfoOptions& options) {
+void measure_in_turn(ImageFacts& facts, const InfoOptions& options) {
   const FileInfo& info = facts.info;
   const double pixels = static_cast<double>(info.width) * static_cast<double>(info.height);
   const auto count = static_cast<double>(info.channels.size());
@@ -211,8 +212,8 @@ ImageFacts image_facts(const InfoOptions& options) {
   // The refusal of the reader lists what there is.
   if (facts.channels.empty() && (wanted || layer || part))
     static_cast<void>(mtf::io::choose_channels(options.file, facts.info.channels, options.read));
-  if (facts.info.format == mtf::io::Format::exr)
-    measure_exr(facts, options);
+  if (mtf::io::row_of(facts.info.format).in_pieces())
+    measure_in_turn(facts, options);
   else
     measure_raster(facts, options);
   if (const std::optional<ReadOptions> read = choice_of(options.file, facts.info, options)) {
@@ -225,10 +226,7 @@ ImageFacts image_facts(const InfoOptions& options) {
   return facts;
 }
 
-std::string format_name(mtf::io::Format format) {
-  constexpr std::array names{"OpenEXR", "PNG", "TIFF", "JPEG"};
-  return names.at(static_cast<std::size_t>(format));
-}
+std::string format_name(mtf::io::Format format) { return std::string(mtf::io::row_of(format).name); }
 
 std::string window_text(const std::array<int, 4>& window) {
   return "(" + std::to_string(window[0]) + ", " + std::to_string(window[1]) + ") to (" + std::to_string(window[2]) +
@@ -320,6 +318,41 @@ std::string as_json(const ImageFacts& facts) {
   return json_document(json);
 }
 
+/// The table of formats: for people the lists of items as lines below it.
+std::string formats_text(Format format) {
+  TextTable table({"format", "known by", "reads", "in pieces", "written as", "writes"});
+  TextTable all({"format", "known_by", "reads", "in_pieces", "written_as", "writes", "applied", "noted", "refused"});
+  std::string items;
+  Json list = Json::array();
+  for (const mtf::io::ImageFormat& row : mtf::io::image_formats()) {
+    const auto text = [](std::string_view words) { return std::string(words); };
+    std::string endings = text(row.endings[0]);
+    if (!row.endings[1].empty()) endings += " " + text(row.endings[1]);
+    std::vector<std::string> cells{text(row.name),    text(row.known_by),
+                                   text(row.numbers), row.in_pieces() ? "yes" : "no",
+                                   endings,           text(row.written)};
+    table.add(cells);
+    list.push_back({{"format", row.name},
+                    {"known_by", row.known_by},
+                    {"reads", row.numbers},
+                    {"in_pieces", row.in_pieces()},
+                    {"written_as", endings},
+                    {"writes", row.written},
+                    {"applied", row.applied},
+                    {"noted", row.noted},
+                    {"refused", row.refused}});
+    items += "\n" + text(row.name) + "\n";
+    for (const auto& [what, words] :
+         {std::pair{"applied", row.applied}, {"noted", row.noted}, {"refused", row.refused}}) {
+      if (!words.empty()) items += "  " + std::string(what) + ": " + text(words) + "\n";
+      cells.emplace_back(words);
+    }
+    all.add(std::move(cells));
+  }
+  if (format == Format::json) return json_document({{"formats", std::move(list)}});
+  return format == Format::csv ? all.csv() : table.aligned() + items;
+}
+
 bool is_config_file(const std::string& path) { return mtf::lower_case(path).ends_with(".toml"); }
 
 int info_of_config(const InfoOptions& options) {
@@ -341,6 +374,11 @@ int info_of_config(const InfoOptions& options) {
 }  // namespace
 
 int run_info(const InfoOptions& options, const Global&) {
+  if (options.formats) {
+    print(formats_text(options.format));
+    return 0;
+  }
+  if (options.file.empty()) throw mtf::UsageError("name an image or a sensor file, or ask for --formats");
   if (is_config_file(options.file)) return info_of_config(options);
   const ImageFacts facts = image_facts(options);
   if (options.format == Format::json)

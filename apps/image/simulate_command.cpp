@@ -210,7 +210,8 @@ int run_simulate(const SimulateCommandOptions& options, const Global& global) {
         "--without-path: a schedule reads the sensor file anew for its frames; remove [path] or "
         "[atmosphere] from it instead");
   if (options.without_path) sensor = without_path(std::move(sensor));
-  if (options.run.out.empty()) throw mtf::UsageError("-o, --out is missing: name the output image (.exr, .png, .tif)");
+  if (options.run.out.empty())
+    throw mtf::UsageError("-o, --out is missing: name the output image (.exr, .hdr, .png, .tif)");
   const bool has_signal = options.run.stage.value_or(radiometry::OutputStage::display) > radiometry::OutputStage::watts;
   if (const mtf::SettingsTable* detector = find_table(sensor.tables, "detector");
       detector != nullptr && has_signal && detector->find("read_noise") != nullptr &&

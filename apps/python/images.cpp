@@ -52,11 +52,12 @@ py::tuple state_of(const ImageHandle& image) {
   py::list planes, channels;
   for (const mtf::Image& values : file.planes) planes.append(to_numpy(values.clone()));
   for (const mtf::io::ChannelInfo& c : info.channels)
-    channels.append(py::make_tuple(c.name, c.type, c.layer, c.part, c.part_name, c.x_sampling, c.y_sampling));
+    channels.append(
+        py::make_tuple(c.name, c.type, c.layer, c.part, c.part_name, c.x_sampling, c.y_sampling, c.wavelength_um));
   return py::make_tuple(FileName{image.path}, file.names, planes, file.integer, file.missing_pixels,
                         static_cast<int>(info.format), info.storage, info.width, info.height, info.data_window,
                         info.display_window, channels, info.attributes, info.encoding.word, info.encoding.source,
-                        info.dct_steps, info.no_data, info.pixel_aspect, info.notes);
+                        info.dct_steps, info.largest, info.no_data, info.pixel_aspect, info.notes);
 }
 
 ImageHandle of_state(const py::tuple& state) {
@@ -83,6 +84,7 @@ ImageHandle of_state(const py::tuple& state) {
   take(info.encoding.word);
   take(info.encoding.source);
   take(info.dct_steps);
+  take(info.largest);
   take(info.no_data);
   take(info.pixel_aspect);
   take(info.notes);
@@ -90,9 +92,9 @@ ImageHandle of_state(const py::tuple& state) {
   for (const py::handle plane : planes)
     file->planes.push_back(image_of(plane_of(py::reinterpret_borrow<py::object>(plane), "plane").view));
   for (const py::handle channel : channels) {
-    const auto [name, type, layer, part, part_name, x, y] =
-        channel.cast<std::tuple<std::string, std::string, std::string, int, std::string, int, int>>();
-    info.channels.push_back({name, type, layer, part, part_name, x, y});
+    const auto [name, type, layer, part, part_name, x, y, um] =
+        channel.cast<std::tuple<std::string, std::string, std::string, int, std::string, int, int, double>>();
+    info.channels.push_back({name, type, layer, part, part_name, x, y, um});
   }
   return {path.bytes, file};
 }

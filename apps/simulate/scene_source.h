@@ -15,7 +15,8 @@
 namespace apps {
 
 struct SceneSource {
-  std::string file{};  ///< OpenEXR, PNG or TIFF, frame.%04d.exr for a sequence; with `image` its name in messages
+  std::string
+      file{};  ///< an image (mtf/io/image_formats.h), frame.%04d.exr for a sequence; with `image` its name in messages
   mtf::io::ReadOptions read{};                         ///< channels of the file
   std::shared_ptr<const mtf::io::ImageFile> stored{};  ///< what is in `file`, where it has been read already
   /// A scene in memory: `planes` of one size and of `quantity` in its unit (mtf::io::quantity_unit; gain, offset and

@@ -56,8 +56,8 @@ Written write_sensor_image(const std::string& path, const std::vector<std::strin
                            const std::vector<mtf::Image>& planes, const Metadata& metadata, const IntegerRange& range) {
   std::vector<NamedPlane> named;
   for (std::size_t i = 0; i < planes.size(); ++i) named.push_back({names[i], planes[i].view()});
-  if (format_from_extension(path) == Format::exr) {
-    write_exr(path, named, metadata);
+  if (holds_floats(format_from_extension(path))) {
+    write_floats(path, named, metadata);
     return {};
   }
   Written written;

@@ -22,7 +22,8 @@ bool any_bad(const std::vector<mtf::Image>& masks) {
 /// Files that a run reads, but for the channels of the scene.
 std::vector<std::string> inputs_of(const mtf::io::SensorConfig& sensor, const SceneSource& scene) {
   std::vector<std::string> inputs = files_of(sensor);
-  if (!scene.image) inputs.push_back(scene.file);
+  if (!scene.image)
+    for (std::string& file : mtf::io::files_of_image(scene.file)) inputs.push_back(std::move(file));
   return inputs;
 }
 
@@ -105,7 +106,10 @@ SimulateResult simulate(const mtf::io::SensorConfig& sensor, SceneSource scene, 
   }
   const std::vector<std::string> inputs = inputs_of(sensor, scene);
   std::vector<std::string> outputs = options.also_written;
-  if (!options.out.empty()) outputs.insert(outputs.begin(), options.out);
+  if (!options.out.empty()) {
+    const std::vector<std::string> files = mtf::io::files_of_image(options.out);
+    outputs.insert(outputs.begin(), files.begin(), files.end());
+  }
   require_writable(outputs, inputs);
   const SensorRun run(sensor, options.stage);
   if (!wants_tiles(run, scene, options)) return simulate_whole(run, scene, options);

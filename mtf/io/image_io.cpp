@@ -1,121 +1,254 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mtf/io/image_io.h"
 
+#include <algorithm>
+#include <filesystem>
 #include <fstream>
-#include <utility>
 
 #include "mtf/error.h"
-#include "mtf/io/channel_choice.h"
-#include "mtf/io/codecs/codecs.h"
-#include "mtf/io/codecs/raster_scan.h"
+#include "mtf/io/codecs/raster.h"
+#include "mtf/io/csv/csv_cells.h"
 #include "mtf/io/exr/exr_read.h"
 #include "mtf/io/file_checks.h"
+#include "mtf/io/image_formats.h"
+#include "mtf/io/image_windows.h"
+#include "mtf/io/plane_checks.h"
+#include "mtf/io/raw/envi.h"
 #include "mtf/words.h"
 
 namespace mtf::io {
 namespace {
 
-RasterHeader raster_header(const std::string& path, Format format) {
-  if (format == Format::png) return scan_png(path);
-  return format == Format::jpeg ? scan_jpeg(path) : codecs().tiff_header(path, input_file_size(path));
+using std::string_view_literals::operator""sv;
+
+template <Format format>
+FileInfo raster_info(const std::string& path) {
+  return read_raster_info(path, format);
+}
+template <Format format>
+ImageFile raster_image(const std::string& path, const ReadOptions& options) {
+  return read_raster(path, format, options);
+}
+template <OpenRaw open>
+FileInfo raw_info(const std::string& path) {
+  return read_raw_info(path, open);
+}
+template <OpenRaw open>
+ImageFile raw_image(const std::string& path, const ReadOptions& options) {
+  return read_raw(path, open, options);
 }
 
-FileInfo describe(const RasterHeader& header, Format format) {
-  FileInfo info;
-  info.format = format;
-  info.storage = header.storage;
-  info.width = header.width;
-  info.height = header.height;
-  info.display_window = {0, 0, static_cast<int>(header.width) - 1, static_cast<int>(header.height) - 1};
-  info.data_window = info.display_window;
-  info.attributes = header.attributes;
-  info.encoding = header.encoding;
-  info.dct_steps = header.dct_steps;
-  info.pixel_aspect = header.pixel_aspect;
-  info.notes = header.notes;
-  if (header.no_data) {
-    info.no_data = header.no_data->words;
-    info.notes.push_back("pixels of the value " + info.no_data + " are no data and read as NaN");
-  }
-  std::vector<std::string> names{"Y"};
-  if (header.colours == 3) names = {"R", "G", "B"};
-  if (header.alpha) names.emplace_back("A");
-  for (const std::string& name : names) {
-    ChannelInfo channel;
-    channel.name = name;
-    channel.type = header.type;
-    info.channels.push_back(channel);
-  }
-  return info;
+bool starts_as_tiff(std::string_view bytes) {
+  return std::ranges::any_of(std::array{"II\x2a\0"sv, "MM\0\x2a"sv, "II\x2b\0"sv, "MM\0\x2b"sv},
+                             [&](std::string_view mark) { return bytes.starts_with(mark); });
 }
 
-std::vector<Image> decode_raster(const std::string& path, Format format, const RasterHeader& header) {
-  if (format == Format::png) return codecs().decode_png(path, header);
-  return format == Format::jpeg ? codecs().decode_jpeg(path, header) : codecs().decode_tiff(path, header);
+bool starts_as_pnm(std::string_view bytes) {
+  return bytes.size() > 2 && bytes[0] == 'P' && "2356"sv.find(bytes[1]) != std::string_view::npos &&
+         " \t\r\n"sv.find(bytes[2]) != std::string_view::npos;
 }
 
-ImageFile read_raster(const std::string& path, Format format, const ReadOptions& options) {
-  const RasterHeader header = raster_header(path, format);
-  ImageFile image;
-  image.info = describe(header, format);
-  if (format == Format::jpeg && options.channel && *options.channel != "Y")
-    throw UsageError(path +
-                     ": of a JPEG only the luminance plane Y is read: its colours are mixed and mostly of fewer "
-                     "pixels; leave out the choice of a channel, or measure the raw image");
-  const ChannelChoice choice = choose_channels(path, image.info.channels, options);
-  for (const std::size_t i : choice.indices)
-    if (image.info.channels[i].name == "A")
-      throw UsageError(path + ": the alpha channel is not image data; choose Y or R, G, B");
-  check_plane_size(path, header.width, header.height, header.colours);
-  std::vector<Image> planes = decode_raster(path, format, header);
-  for (const std::size_t i : choice.indices) image.planes.push_back(std::move(planes.at(i)));
-  image.names = choice.names;
-  image.integer = header.type == "uint8" || header.type == "uint16";
-  return image;
+/// Two letters are too few: the bytes that are 0 and the one plane tell it from bare numbers.
+bool starts_as_bmp(std::string_view bytes) {
+  return bytes.size() >= 28 && bytes.starts_with("BM") && bytes.substr(6, 4) == "\0\0\0\0"sv &&
+         bytes.substr(15, 3) == "\0\0\0"sv && bytes.substr(26, 2) == "\1\0"sv;
+}
+
+constexpr std::array kFormats{
+    ImageFormat{.format = Format::exr,
+                .name = "OpenEXR",
+                .known_by = "first bytes",
+                .numbers = "half, float, uint32",
+                .endings = {".exr"},
+                .written = "float",
+                .applied = "windows, layers, parts, levels, spectra, attributes mtf:*",
+                .noted = "views, environment maps, compression with a loss, colour spaces",
+                .refused = "deep and subsampled channels",
+                .starts = [](std::string_view bytes) { return bytes.starts_with("\x76\x2f\x31\x01"sv); },
+                .info = read_exr_info,
+                .read = read_exr},
+    ImageFormat{.format = Format::png,
+                .name = "PNG",
+                .known_by = "first bytes",
+                .numbers = "1 to 16 bits",
+                .endings = {".png"},
+                .written = "8 or 16 bits",
+                .applied = "curve (cICP, iCCP, sRGB, gAMA) by [scene] encoding, tRNS of grey, pHYs, interlace",
+                .noted = "palette, alpha, sBIT, animation, orientation",
+                .refused = "unknown critical chunks",
+                .starts = [](std::string_view bytes) { return bytes.starts_with("\x89PNG\r\n\x1a\n"sv); },
+                .info = raster_info<Format::png>,
+                .read = raster_image<Format::png>},
+    ImageFormat{.format = Format::tiff,
+                .name = "TIFF",
+                .known_by = "first bytes",
+                .numbers = "8 and 16 bits, float, double",
+                .endings = {".tif", ".tiff"},
+                .written = "8 or 16 bits",
+                .applied = "TransferFunction by [scene] encoding, GDAL_NODATA, resolution, tiles, BigTIFF",
+                .noted = "further pages, palette, alpha, ICC profiles, MaxSampleValue",
+                .refused = "signed, 1, 12 and 32-bit whole numbers, complex; mosaics, CMYK, YCbCr; Orientation",
+                .starts = starts_as_tiff,
+                .info = raster_info<Format::tiff>,
+                .read = raster_image<Format::tiff>},
+    ImageFormat{.format = Format::jpeg,
+                .name = "JPEG",
+                .known_by = "first bytes",
+                .numbers = "luminance, 8 bits",
+                .applied = "curve sRGB by [scene] encoding, densities",
+                .noted = "orientation, further images, raw counts of FLIR, unknown segments",
+                .refused = "12 bits, lossless, RGB, CMYK",
+                .starts = [](std::string_view bytes) { return bytes.starts_with("\xff\xd8\xff"sv); },
+                .info = raster_info<Format::jpeg>,
+                .read = raster_image<Format::jpeg>},
+    ImageFormat{.format = Format::envi,
+                .name = "ENVI",
+                .known_by = "ENVI in NAME.hdr, itself or beside",
+                .numbers = "types 1 to 5, 12 to 15; bsq, bil, bip",
+                .endings = {".hdr", ".img"},
+                .written = "float",
+                .applied = "header offset, data gain and offset values, data ignore value, wavelength, pixel sizes",
+                .noted = "reflectance scales, bbl, classes, bytes behind the numbers",
+                .refused = "complex, compressed, frame offsets, wavelength without units",
+                .starts = [](std::string_view bytes) { return bytes.starts_with("ENVI"sv); },
+                .info = raw_info<open_envi>,
+                .read = raw_image<open_envi>,
+                .raw = open_envi},
+    ImageFormat{.format = Format::fits,
+                .name = "FITS",
+                .known_by = "SIMPLE = at the start",
+                .numbers = "BITPIX 8, 16, 32, 64, -32, -64",
+                .applied = "BZERO, BSCALE, BLANK, ROWORDER (bottom row first without it), extensions as parts",
+                .noted = "tables and compressed images beside others",
+                .refused = "compressed images, no image of two axes",
+                .starts = [](std::string_view bytes) { return bytes.starts_with("SIMPLE  ="sv); },
+                .info = raw_info<open_fits>,
+                .read = raw_image<open_fits>,
+                .raw = open_fits},
+    ImageFormat{.format = Format::pnm,
+                .name = "PGM, PPM",
+                .known_by = "P2, P3, P5 or P6 and a blank",
+                .numbers = "8 and 16 bits",
+                .applied = "largest value as full scale",
+                .noted = "bytes behind the image",
+                .refused = "bitmaps (P1, P4), PAM, PFM",
+                .starts = starts_as_pnm,
+                .info = raw_info<open_pnm>,
+                .read = raw_image<open_pnm>,
+                .raw = open_pnm},
+    ImageFormat{.format = Format::bmp,
+                .name = "BMP",
+                .known_by = "BM and its header",
+                .numbers = "8 bits grey, 24 and 32 bits",
+                .applied = "direction of rows, curve sRGB by [scene] encoding, resolution",
+                .noted = "",
+                .refused = "palettes of colours, 1, 4 and 16 bits, run lengths",
+                .starts = starts_as_bmp,
+                .info = raw_info<open_bmp>,
+                .read = raw_image<open_bmp>,
+                .raw = open_bmp}};
+
+/// By content and, of bare numbers, by the header beside them.
+std::optional<Format> format_at(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw RuntimeError("cannot read " + path + ": it cannot be opened; check its permissions");
+  std::array<char, 32> start{};
+  file.read(start.data(), static_cast<std::streamsize>(start.size()));
+  if (const auto format = format_of({start.data(), static_cast<std::size_t>(file.gcount())})) return format;
+  return envi_header_of(path).empty() ? std::nullopt : std::optional(Format::envi);
 }
 
 }  // namespace
 
+std::span<const ImageFormat> image_formats() { return kFormats; }
+
+const ImageFormat& row_of(Format format) { return *std::ranges::find(kFormats, format, &ImageFormat::format); }
+
 std::optional<Format> format_of(std::string_view start) {
-  using std::string_view_literals::operator""sv;
-  if (start.starts_with("\x76\x2f\x31\x01"sv)) return Format::exr;
-  if (start.starts_with("\x89PNG\r\n\x1a\n"sv)) return Format::png;
-  if (start.starts_with("\xff\xd8\xff"sv)) return Format::jpeg;
-  for (const std::string_view tiff : {"II\x2a\0"sv, "MM\0\x2a"sv, "II\x2b\0"sv, "MM\0\x2b"sv})
-    if (start.starts_with(tiff)) return Format::tiff;
-  return std::nullopt;
+  const auto* row = std::ranges::find_if(kFormats, [&](const ImageFormat& f) { return f.starts(start); });
+  return row == kFormats.end() ? std::nullopt : std::optional(row->format);
 }
 
 Format detect_format(const std::string& path) {
   const std::int64_t size = input_file_size(path);
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw RuntimeError("cannot read " + path + ": it cannot be opened; check its permissions");
-  std::array<char, 8> start{};
-  file.read(start.data(), static_cast<std::streamsize>(start.size()));
-  if (const auto format = format_of({start.data(), static_cast<std::size_t>(file.gcount())})) return *format;
+  if (const auto format = format_at(path)) return *format;
   throw RuntimeError("cannot read " + path + ": its content (" + shown_bytes(static_cast<double>(size)) +
-                     ") is neither OpenEXR nor PNG nor TIFF nor JPEG; convert the image to one of them");
+                     ") is none of " + joined(kFormats, [](const ImageFormat& row) { return std::string(row.name); }) +
+                     "; convert the image to one of them, or describe bare numbers by an ENVI header beside them");
 }
 
 Format format_from_extension(const std::string& path) {
-  const auto slash = path.rfind('/');
-  const std::string name = slash == std::string::npos ? path : path.substr(slash + 1);
-  const auto dot = name.rfind('.');
-  const std::string extension = dot == std::string::npos ? "" : lower_case(name.substr(dot));
-  if (extension == ".exr") return Format::exr;
-  if (extension == ".png") return Format::png;
-  if (extension == ".tif" || extension == ".tiff") return Format::tiff;
-  throw UsageError("cannot tell the image format of " + path + "; end the name in .exr, .png, .tif or .tiff");
+  const std::string name = lower_case(path.substr(path.rfind('/') + 1));
+  std::vector<std::string_view> endings;
+  for (const ImageFormat& row : kFormats)
+    for (const std::string_view ending : row.endings)
+      if (!ending.empty() && name.ends_with(ending))
+        return row.format;
+      else if (!ending.empty())
+        endings.push_back(ending);
+  throw UsageError("cannot tell the image format of " + path + "; end the name in " +
+                   joined(std::span<const std::string_view>(endings)));
 }
 
-FileInfo read_info(const std::string& path) {
-  const Format format = detect_format(path);
-  return format == Format::exr ? read_exr_info(path) : describe(raster_header(path, format), format);
+bool holds_floats(Format format) { return row_of(format).written == "float"; }
+
+std::vector<std::string> files_of_image(const std::string& path) {
+  std::error_code error;
+  const bool is_there = std::filesystem::is_regular_file(path, error);
+  if (is_there && format_at(path) == Format::envi) return envi_files_of(path);
+  const bool pair = lower_case(path).ends_with(".hdr") || lower_case(path).ends_with(".img");
+  return pair ? envi_files(path) : std::vector{path};
 }
+
+void write_floats(const std::string& path, const std::vector<NamedPlane>& planes, const Metadata& metadata) {
+  if (format_from_extension(path) == Format::exr) return write_exr(path, planes, metadata);
+  check_planes(path, planes);
+  std::vector<std::string> names;
+  for (const NamedPlane& plane : planes) names.push_back(plane.name);
+  const auto rows = [&](std::int64_t first, std::span<const ImageView<float>> to) {
+    for (std::size_t c = 0; c < planes.size(); ++c)
+      for (std::int64_t y = 0; y < to[c].height; ++y)
+        std::copy_n(planes[c].plane.row(first + y), to[c].width, to[c].row(y));
+  };
+  write_envi(path, names, planes.front().plane.width, planes.front().plane.height, rows, metadata);
+}
+
+void write_float_rows(const std::string& path, const std::vector<std::string>& names, std::int64_t width,
+                      std::int64_t height, const ReadRows& rows, const Metadata& metadata, int threads) {
+  if (format_from_extension(path) == Format::exr)
+    write_tiled_exr(path, names, width, height, rows, metadata, threads);
+  else
+    write_envi(path, names, width, height, rows, metadata);
+}
+
+ImageWindows::ImageWindows(const std::string& path, const ReadOptions& options) {
+  const ImageFormat& row = row_of(detect_format(path));
+  if (!row.in_pieces())
+    throw UsageError(path + ": " + std::string(row.name) + " cannot be read in pieces; convert it to OpenEXR or ENVI");
+  if (row.raw == nullptr)
+    exr_ = std::make_unique<ExrWindows>(path, options);
+  else
+    raw_ = std::make_unique<RawWindows>(path, row.raw, options);
+}
+
+FileInfo read_info(const std::string& path) { return row_of(detect_format(path)).info(path); }
 
 ImageFile read_image(const std::string& path, const ReadOptions& options) {
-  const Format format = detect_format(path);
-  return format == Format::exr ? read_exr(path, options) : read_raster(path, format, options);
+  return row_of(detect_format(path)).read(path, options);
+}
+
+void note_no_data(FileInfo& info, const std::string& words) {
+  info.no_data = words;
+  info.notes.push_back("pixels of the value " + words + " are no data and read as NaN");
+}
+
+std::vector<std::pair<std::string, std::string>> words_of(const Metadata& metadata) {
+  std::vector<std::pair<std::string, std::string>> text(metadata.text.begin(), metadata.text.end());
+  for (const auto& [name, pair] : metadata.pairs)
+    text.emplace_back(name, number_text(pair[0]) + " " + number_text(pair[1]));
+  for (const auto& [name, list] : metadata.lists) text.emplace_back(name, joined(list, number_text<float>, " "));
+  if (!metadata.history.empty()) text.emplace_back("mtf:history", joined(metadata.history, "\n"));
+  return text;
 }
 
 }  // namespace mtf::io

@@ -2,8 +2,8 @@
 #pragma once
 
 // Image files in and out. Everything inside the toolkit is linear float32 planes; this header is the only interface to
-// OpenEXR, PNG, TIFF and (for reading) JPEG. Values are returned as stored (integers as their counts): gain, offset and
-// quantity belong to the sensor configuration, nothing is guessed here.
+// files of images; their formats stand in one table (mtf/io/image_formats.h). Values are returned as stored (integers
+// as their counts): gain, offset and quantity belong to the sensor configuration, nothing is guessed here.
 
 #include <array>
 #include <cstdint>
@@ -21,7 +21,7 @@
 
 namespace mtf::io {
 
-enum class Format { exr, png, tiff, jpeg };
+enum class Format { exr, png, tiff, jpeg, envi, fits, pnm, bmp };
 
 /// Format by the first bytes of a file; nothing where they are those of no image.
 std::optional<Format> format_of(std::string_view start);
@@ -29,8 +29,14 @@ std::optional<Format> format_of(std::string_view start);
 /// Format by file content for reading (magic bytes). Throws RuntimeError for a missing, empty or foreign file.
 Format detect_format(const std::string& path);
 
-/// Format by extension for writing (.exr .png .tif .tiff, any case). Throws UsageError naming the known extensions.
+/// Format by extension for writing (.exr .png .tif .tiff .hdr .img, any case). Throws UsageError naming the known
+/// extensions.
 Format format_from_extension(const std::string& path);
+/// Whether images of a format that is written are floats, and not whole numbers.
+bool holds_floats(Format format);
+
+/// The files of an image that is there or will be written: an ENVI has two.
+std::vector<std::string> files_of_image(const std::string& path);
 
 struct ChannelInfo {
   std::string name;   ///< full name as stored, e.g. "ViewLayer.Combined.R"; PNG/TIFF: "Y" or "R","G","B" ("A" last)
@@ -39,6 +45,7 @@ struct ChannelInfo {
   int part = 0;       ///< part of a multi-part file, else 0
   std::string part_name;  ///< name of that part, "" when it has none; works as a layer where channels have none
   int x_sampling = 1, y_sampling = 1;
+  double wavelength_um = 0.0;  ///< of a band, where the file lists it beside the name; 0 = it does not
 };
 
 /// Format and metadata of a file, without reading its pixels.
@@ -53,11 +60,15 @@ struct FileInfo {
   std::map<std::string, std::string> attributes;  ///< other attributes that can be shown as text
   StatedEncoding encoding;                        ///< curve of the values of PNG, TIFF and JPEG; OpenEXR is linear
   std::vector<std::uint16_t> dct_steps{};         ///< of a JPEG, in counts (mtf/io/codecs/encoding.h)
+  double largest = 0.0;   ///< value of a sample where the file states one below that of its type; 0 = it does not
   std::string no_data{};  ///< stored value of pixels that have none and are read as NaN, "0 (GDAL_NODATA)"; "" = none
   double pixel_aspect = 1.0;  ///< width of a pixel over its height, as the file states it; 1 where it states none
   /// What the file holds and is not read, and what else a user has to know of the values: "read as page 1 of 3: ...".
   std::vector<std::string> notes{};
 };
+
+/// Stored values that `words` name, "0 (GDAL_NODATA)", are no data: said so, and noted.
+void note_no_data(FileInfo& info, const std::string& words);
 
 FileInfo read_info(const std::string& path);
 
@@ -97,6 +108,9 @@ struct Metadata {
   std::vector<std::string> history;                    ///< "mtf:history"
 };
 
+/// As names and words, for formats that store text.
+std::vector<std::pair<std::string, std::string>> words_of(const Metadata& metadata);
+
 struct NamedPlane {
   std::string name;
   ImageView<const float> plane;
@@ -112,6 +126,11 @@ using ReadRows = std::function<void(std::int64_t first, std::span<const ImageVie
 /// row of tiles at a time; `threads` compress, 0 = all cores.
 void write_tiled_exr(const std::string& path, const std::vector<std::string>& names, std::int64_t width,
                      std::int64_t height, const ReadRows& rows, const Metadata& metadata, int threads);
+
+/// OpenEXR or ENVI, by extension, of planes and of rows that are asked for.
+void write_floats(const std::string& path, const std::vector<NamedPlane>& planes, const Metadata& metadata);
+void write_float_rows(const std::string& path, const std::vector<std::string>& names, std::int64_t width,
+                      std::int64_t height, const ReadRows& rows, const Metadata& metadata, int threads);
 
 /// file value = round((value - offset) / gain), clamped to what the bits hold; the clamped pixels are counted.
 struct IntegerScaling {

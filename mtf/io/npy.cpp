@@ -3,19 +3,17 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <charconv>
 #include <string_view>
 #include <utility>
 
 #include "mtf/error.h"
 #include "mtf/io/file_checks.h"
+#include "mtf/io/raw/number_type.h"
 #include "mtf/words.h"
 
 namespace mtf::io {
 namespace {
-
-static_assert(std::endian::native == std::endian::little);
 
 constexpr std::uint64_t kMost = 1ULL << 40;  // numbers of an array
 
@@ -67,9 +65,7 @@ NpyReader::NpyReader(const std::string& path) : path_(path) {
   const std::string_view descr = entry(header, "descr");
   const std::size_t quote = descr.find('\'');
   type_ = quote < 3 ? std::string(descr.substr(quote + 1, 3)) : "";
-  constexpr std::string_view kTypes = " f4 f8 u1 i1 u2 i2 u4 i4 ";
-  const bool known = type_.size() == 3 && kTypes.find(" " + type_.substr(1) + " ") != std::string_view::npos &&
-                     descr.substr(quote + 4).starts_with('\'');
+  const bool known = number_type(type_) && descr.substr(quote + 4).starts_with('\'');
   if (!known || entry(header, "fortran_order").find("False") > 4)
     refuse("whole numbers or floats in C order belong here, as numpy.save writes them");
   item_ = static_cast<std::size_t>(type_[2] - '0');
@@ -96,34 +92,16 @@ NpyReader::NpyReader(const std::string& path, std::string type, std::uint64_t be
   shape_ = {planes, rows, columns};
 }
 
-template <class Number>
-void NpyReader::read_as(std::span<float> values) {
-  std::array<Number, 16384> numbers;  // stay in cache
-  while (!values.empty()) {
-    const std::size_t count = std::min(values.size(), numbers.size());
-    auto* const bytes = reinterpret_cast<char*>(numbers.data());
-    if (!file_.read(bytes, static_cast<std::streamsize>(count * sizeof(Number)))) return;
-    if (type_[0] == '>')
-      for (std::size_t i = 0; i < count; ++i)
-        std::reverse(bytes + i * sizeof(Number), bytes + (i + 1) * sizeof(Number));
-    std::transform(numbers.data(), numbers.data() + count, values.data(),
-                   [](Number n) { return static_cast<float>(n); });
-    values = values.subspan(count);
-  }
-}
-
 void NpyReader::read(std::uint64_t first, std::span<float> values) {
   file_.seekg(static_cast<std::streamoff>(begin_ + first * item_));
-  const std::string kind = type_.substr(1);
-  if (kind == "f4") read_as<float>(values);
-  if (kind == "f8") read_as<double>(values);
-  if (kind == "u1") read_as<std::uint8_t>(values);
-  if (kind == "i1") read_as<std::int8_t>(values);
-  if (kind == "u2") read_as<std::uint16_t>(values);
-  if (kind == "i2") read_as<std::int16_t>(values);
-  if (kind == "u4") read_as<std::uint32_t>(values);
-  if (kind == "i4") read_as<std::int32_t>(values);
-  if (!file_) throw RuntimeError(one_line(path_) + ": it cannot be read");
+  std::array<char, 65536> bytes;  // stay in cache
+  while (!values.empty()) {
+    const std::size_t count = std::min(values.size(), bytes.size() / item_);
+    if (!file_.read(bytes.data(), static_cast<std::streamsize>(count * item_)))
+      throw RuntimeError(one_line(path_) + ": it cannot be read");
+    to_floats(*number_type(type_), bytes.data(), static_cast<std::int64_t>(item_), {}, values.first(count));
+    values = values.subspan(count);
+  }
 }
 
 }  // namespace mtf::io

@@ -2,7 +2,7 @@
 #pragma once
 
 // Arrays of numpy.save (NPY, versions 1 to 3), and bare numbers without a header that says what they are (raw), in
-// pieces of any size: whole numbers of 8 to 32 bits and floats of 32 and 64, either byte order, C order.
+// pieces of any size, in C order: numbers as in mtf/io/raw/number_type.h.
 
 #include <cstdint>
 #include <fstream>
@@ -28,9 +28,6 @@ class NpyReader {
   void read(std::uint64_t first, std::span<float> values);
 
  private:
-  template <class Number>
-  void read_as(std::span<float> values);
-
   std::string path_, type_;
   std::vector<std::uint64_t> shape_;
   std::uint64_t begin_ = 0;  ///< of the values, in bytes

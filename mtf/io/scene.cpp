@@ -7,6 +7,7 @@
 #include "mtf/error.h"
 #include "mtf/io/csv/csv_cells.h"
 #include "mtf/io/exr/spectral_exr.h"
+#include "mtf/io/image_formats.h"
 #include "mtf/words.h"
 
 namespace mtf::io {
@@ -84,7 +85,8 @@ std::string words_of(const IntegerScaling& scaling) {
 }
 
 /// Keys of [scene] that this file needs and the sensor file lacks, as one error.
-void require_keys(const SensorConfig& config, const std::string& path, const ImageFile& file, bool quantity_stated) {
+void require_keys(const SensorConfig& config, const std::string& path, const ImageFile& file, bool quantity_stated,
+                  bool unit_stated) {
   const SceneDefaults& defaults = config.scene;
   const bool float_exr = file.info.format == Format::exr && !file.integer;
   std::string missing;
@@ -92,12 +94,14 @@ void require_keys(const SensorConfig& config, const std::string& path, const Ima
     if (!there) missing += (missing.empty() ? "" : ", ") + std::string(key);
   };
   const std::optional<IntegerScaling> says = stated_scaling(file.info);
-  if (file.integer || says) need(defaults.gain.has_value(), "gain"), need(defaults.offset.has_value(), "offset");
+  if (file.integer || says || !unit_stated)
+    need(defaults.gain.has_value(), "gain"), need(defaults.offset.has_value(), "offset");
   if (!float_exr) need(quantity_stated || defaults.quantity, "quantity");
   std::string text;
   if (!missing.empty())
-    text = std::string(file.integer ? "integer samples" : "samples of a TIFF") + " carry no physical unit; add " +
-           missing + " to [scene] of " + config.file + " (value = gain x file + offset, in the unit of quantity" +
+    text = (file.integer ? "integer samples" : "samples of " + std::string(row_of(file.info.format).name)) +
+           " carry no physical unit; add " + missing + " to [scene] of " + config.file +
+           " (value = gain x file + offset, in the unit of quantity" +
            (says ? "; the file says " + words_of(*says) : "") + ")";
   const StatedEncoding& stated = file.info.encoding;
   if (!defaults.encoding && !stated.source.empty() && stated.word != "linear")
@@ -172,9 +176,12 @@ Scene describe_scene(const SensorConfig& config, const std::string& path, const 
   const SceneDefaults& defaults = config.scene;
   Scene scene;
   scene.grid = grid_of(config, file, path);
-  const std::optional<SpectralPlanes> spectral = spectral_planes(path, file);
+  const std::optional<SpectralPlanes> spectral =
+      spectral_planes(path, file, defaults.quantity == Quantity::spectral_radiance);
   const std::optional<Quantity> stated = spectral ? Quantity::spectral_radiance : stated_quantity(file, path);
-  require_keys(config, path, file, stated.has_value());
+  // For spectra in OpenEXR there is a unit by convention.
+  require_keys(config, path, file, stated.has_value(),
+               !spectral || spectral->stated || file.info.format == Format::exr);
   scene.encoding = encoding_of(config, path, file, scene.warnings);
   if (!stated && !defaults.quantity)
     scene.warnings.push_back("quantity is not stated in " + path + " nor in [scene]; taken as radiance (W m-2 sr-1)");

@@ -72,6 +72,22 @@ TEST_F(SimulateTiles, EqualTheWholeImageWithinTheTolerance) {
   EXPECT_FALSE(fs::exists(scratch / "out.exr.part"));
 }
 
+TEST_F(SimulateTiles, EnviGoesThroughInPieces) {
+  const auto scene = mtf::io::read_image((scratch / "scene.exr").string());
+  write_file(scratch / "envi.dat", {reinterpret_cast<const char*>(scene.planes[0].data()),
+                                    static_cast<std::size_t>(scene.planes[0].size()) * sizeof(float)});
+  write_file(scratch / "envi.hdr", "ENVI\nsamples = 1700\nlines = 1700\nbands = 1\ndata type = 4\nbyte order = 0\n");
+  const Result r = scratch.run("mtf simulate sensor.toml envi.dat -o out.img --memory 105MiB --report run.json");
+  ASSERT_EQ(r.status, 0) << r.err;
+  EXPECT_GT(report()["tiles"]["count"].get<int>(), 1) << report()["tiles"];
+  ASSERT_EQ(scratch.run("mtf simulate sensor.toml scene.exr -o all.exr").status, 0);
+  EXPECT_LT(rms_between("out.hdr", "all.exr"), 1e-4);
+  ASSERT_EQ(scratch.run("mtf simulate sensor.toml envi.hdr -o whole.hdr").status, 0);
+  EXPECT_EQ(rms_between("whole.img", "all.exr"), 0.0);
+  expect_refused("mtf simulate sensor.toml envi.dat -o envi.hdr", 2, {"envi.hdr", "is the input"});
+  expect_refused("mtf simulate sensor.toml envi.hdr -o other.hdr --report envi.dat", 2, {"envi.dat", "is the input"});
+}
+
 TEST_F(SimulateTiles, ARegionIsThatPartOfTheImage) {
   ASSERT_EQ(scratch.run("mtf simulate sensor.toml scene.exr -o all.exr").status, 0);
   for (const std::string more : {"", " --memory 300MiB"}) {

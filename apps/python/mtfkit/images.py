@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Image files in and out: OpenEXR, PNG, TIFF and, for reading, JPEG."""
+"""Image files in and out: OpenEXR, ENVI, PNG, TIFF and, for reading, JPEG, FITS, PGM, PPM and BMP."""
 
 from __future__ import annotations
 
@@ -123,7 +123,7 @@ class Image(results.ByValue):
 
     @property
     def integer(self) -> bool:
-        """True for values that are stored as whole numbers (PNG, TIFF): they are their counts."""
+        """True for values that are stored as whole numbers: they are their counts."""
         return self._file.integer
 
     @property
@@ -182,7 +182,7 @@ class Image(results.ByValue):
 @checked
 def read(path: str | os.PathLike[str], *, channel: str | None = None, layer: str | None = None,
          part: int | None = None) -> Image:
-    """Reads OpenEXR, PNG, TIFF or JPEG. Values are linear float32 as stored, integers being their counts.
+    """Reads an image of any format of `mtf info --formats`. Values are linear float32 as stored, integers being their counts.
 
     `channel` is one full name, `layer` the channels of a layer ("" = those without one), `part` a part of a file of
     several. Raises UsageError where a choice is needed, and lists what there is; DataError for a file that is missing
@@ -217,23 +217,22 @@ def _stored(attributes: Mapping[str, object] | None) -> tuple[dict[str, str], di
 def write(path: str | os.PathLike[str], planes: Image | npt.ArrayLike | Mapping[str, npt.ArrayLike], *,
           sample: quantities.Value = None, quantity: str | None = None, attributes: Mapping[str, object] | None = None,
           range: tuple[float, float] | None = None, bits: int = 16) -> None:
-    """Writes one plane, planes by name, or an Image, as the ending says: .exr (float32), .png or .tif (integers).
+    """Writes one plane, planes by name, or an Image, as the ending says: .exr or .hdr (ENVI; float32), .png or .tif (integers).
 
     `sample` is the spacing of the samples at the focal plane, "3.75 um" or a pair for x and y, and `quantity` what the
     values are ("radiance", "photon_radiance", "temperature", "counts"): `read` and `sensor.simulate` take both from the file.
     `attributes` are stored beside the pixels: texts, pairs of numbers or lists of them. Those of an Image are kept, and
     `sample`, `quantity` and `attributes` change them: `write(path, read(file))` and reading that gives the attributes again,
-    in all three formats; what OpenEXR's own header says is left out of them. PNG and TIFF hold one or three planes of whole
+    in all of these formats; what OpenEXR's own header says is left out of them. PNG and TIFF hold one or three planes of whole
     numbers: those of an Image of counts as they are, else counts whose scale is in the attributes `gain` and `offset`.
-    JPEG is read, not written.
 
     `range` gives the values that become 0 and the largest number of PNG and TIFF, by default the extremes, for an Image of
     counts the counts themselves; `bits` is 8 or 16. The file appears whole or not at all. Raises UsageError for what is no
     2-D array of numbers, and DataError where the file cannot be written.
     """
-    integers = not os.fspath(path).lower().endswith(".exr")
+    integers = not os.fspath(path).lower().endswith((".exr", ".hdr", ".img"))
     if range is not None and not integers:
-        raise UsageError("range: is for PNG and TIFF; OpenEXR has the values themselves")
+        raise UsageError("range: is for PNG and TIFF; OpenEXR and ENVI have the values themselves")
     if bits not in (8, 16):
         raise UsageError(f"bits: {bits} is not 8 or 16")
     if isinstance(planes, Image):

@@ -185,7 +185,7 @@ class Run(results.ByValue):
 
     @checked
     def save(self, path: str | os.PathLike[str], *, image: int = 0, range: tuple[float, float] | None = None) -> None:
-        """Writes an image with its provenance, as `mtf simulate -o`: OpenEXR, or PNG and TIFF with `range`."""
+        """Writes an image with its provenance, as `mtf simulate -o`: OpenEXR, ENVI, or PNG and TIFF with `range`."""
         if not self._writable:
             raise UsageError("save: the sensor has a component made of a general function, which no file can state; "
                              "mtfkit.write writes the pixels")

@@ -396,7 +396,9 @@ void check_files(const SimulateOptions& options, const SceneSource& scene, const
     if (names.scenes->is_among(frames, names.out->name(frame)))
       throw mtf::UsageError(one_line(names.out->name(frame)) +
                             ": is a frame of the input; name other files for the output");
-    require_different(names.scenes->name(frame), names.out->name(frame));
+    for (const std::string& input : mtf::io::files_of_image(names.scenes->name(frame)))
+      for (const std::string& output : mtf::io::files_of_image(names.out->name(frame)))
+        require_different(input, output);
   }
 }
 
@@ -497,7 +499,7 @@ SimulateResult simulate_sequence(const mtf::io::SensorConfig& sensor, SceneSourc
   inputs.insert(inputs.end(), schedule.files.begin(), schedule.files.end());
   check_files(options, scene, names, std::move(inputs));
   const SensorRun run(sensor, options.stage);
-  if (names.out && mtf::io::format_from_extension(options.out) != mtf::io::Format::exr &&
+  if (names.out && !mtf::io::holds_floats(mtf::io::format_from_extension(options.out)) &&
       !run.integer_range(options.range).ends)
     throw mtf::UsageError("16-bit frames need one scale for all of them; give --range LOW:HIGH, or write .exr");
   if (!schedule.settings.empty() && schedule.settings.back().frame > names.frames.back())

@@ -18,7 +18,8 @@
 #include "apps/simulate/simulate_parts.h"
 #include "apps/text/message_words.h"
 #include "mtf/error.h"
-#include "mtf/io/exr/exr_read.h"
+#include "mtf/io/image_formats.h"
+#include "mtf/io/image_windows.h"
 #include "mtf/io/tile_store.h"
 #include "mtf/parallel.h"
 #include "mtf/survey/bad_pixels.h"
@@ -37,7 +38,7 @@ constexpr std::size_t kHeaderBytes = 65536;   // of a scene file, for telling it
 
 struct TileScene {
   mtf::io::Scene scene;
-  std::optional<mtf::io::ExrWindows> file;
+  std::optional<mtf::io::ImageWindows> file;
   std::vector<mtf::ImageView<const float>> planes;
   mtf::ReadWindow read;
 };
@@ -48,11 +49,11 @@ std::string refusal_of_windows(const SimulateOptions& options, const SceneSource
   if (file.image)
     return "--memory: " + one_line(file.file) +
            " is in memory already; name a file of the scene, or leave out the limit";
-  if (mtf::io::detect_format(file.file) != mtf::io::Format::exr)
-    return "--memory: " + one_line(file.file) +
-           " is no OpenEXR file, which is the format that can be read in pieces; convert it";
-  if (!options.out.empty() && mtf::io::format_from_extension(options.out) != mtf::io::Format::exr)
-    return "--memory: tiles are written as OpenEXR; end the name of the output in .exr";
+  if (const mtf::io::ImageFormat& format = mtf::io::row_of(mtf::io::detect_format(file.file)); !format.in_pieces())
+    return "--memory: " + one_line(file.file) + " is " + std::string(format.name) +
+           ", which cannot be read in pieces; convert it to OpenEXR or ENVI";
+  if (!options.out.empty() && !mtf::io::holds_floats(mtf::io::format_from_extension(options.out)))
+    return "--memory: tiles are written as OpenEXR or ENVI; end the name of the output in .exr or .hdr";
   if (options.nan != NanPolicy::refuse)
     return "--nan: fill and propagate need the whole image; leave out --memory, or replace such pixels before";
   return "";
@@ -86,9 +87,11 @@ std::vector<mtf::Survey> survey_all(TileScene& source, const SceneSurvey& asked,
   mtf::SurveyOptions survey_options{
       .border = asked.border, .border_value = asked.border_value, .every = asked.every, .threads = asked.threads};
   if (source.file) {
+    const std::int64_t row_bytes =
+        source.scene.grid.width * static_cast<std::int64_t>(source.scene.names.size() * sizeof(float));
     if (asked.memory > 0)
       survey_options.band_rows =
-          std::clamp<std::int64_t>(asked.memory / kSurveyShare / source.file->row_bytes(), 1, survey_options.band_rows);
+          std::clamp<std::int64_t>(asked.memory / kSurveyShare / row_bytes, 1, survey_options.band_rows);
     source.file->keep_rows(survey_options.band_rows);
   }
   const std::size_t channels = source.scene.names.size();
@@ -134,9 +137,9 @@ std::string key_of(const SimulateOptions& options, const mtf::io::SensorConfig& 
     std::fclose(handle);
   }
   const mtf::TileReport& r = plan.report();
-  std::string key = std::string(mtf::version) + " " + mtf::git_commit + " " + config.sha256 + " " + stamp_of(file) +
-                    " " + mtf::format_double(r.tolerance) + " " + (options.measure ? "measure" : "estimate") + " " +
-                    stage;
+  std::string key = std::string(mtf::version) + " " + mtf::git_commit + " " + config.sha256 + " " +
+                    joined(mtf::io::files_of_image(file), stamp_of, " ") + " " + mtf::format_double(r.tolerance) + " " +
+                    (options.measure ? "measure" : "estimate") + " " + stage;
   for (const std::string& curve : files_of(config)) key += " " + stamp_of(curve);  // that the sensor file names
   if (options.region)
     for (const std::int64_t number : *options.region) key += " " + std::to_string(number);
@@ -409,7 +412,7 @@ void run_to_file(TileRun& all, const mtf::io::Metadata& metadata) {
       },
       [&] { store.remove(); });  // the same run will not do better
   all.watch.lap("run");
-  mtf::io::write_tiled_exr(
+  mtf::io::write_float_rows(
       all.options.out, names, plan.out().width, plan.out().height,
       [&](std::int64_t first, std::span<const mtf::ImageView<float>> planes) {
         for (std::size_t c = 0; c < planes.size(); ++c) store.read_rows(c, first, planes[c]);

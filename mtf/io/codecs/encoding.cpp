@@ -115,13 +115,23 @@ Encoding parse_encoding(const std::string& text, const std::string& folder) {
 
 double full_scale(const FileInfo& info) {
   const std::string type = info.channels.empty() ? "" : info.channels.front().type;
-  if (type == "uint16") return 65535.0;
+  if (info.largest > 0.0) return info.largest;
+  for (const int bits : {16, 32, 64}) {
+    if (type == "uint" + std::to_string(bits)) return std::ldexp(1.0, bits) - 1.0;
+    if (type == "int" + std::to_string(bits)) return std::ldexp(1.0, bits - 1) - 1.0;
+  }
   if (type == "uint") return 4294967295.0;
+  if (type == "int8") return 127.0;
   if (type != "uint8") return 1.0;
   for (const int bits : {1, 2, 4})
     if (info.storage.starts_with(std::to_string(bits) + "-bit") && info.storage.find("palette") == std::string::npos)
       return (1 << bits) - 1;
   return 255.0;
+}
+
+double least_stored(const FileInfo& info) {
+  const bool is_signed = !info.channels.empty() && info.channels.front().type.starts_with("int");
+  return is_signed ? -full_scale(info) - 1.0 : 0.0;
 }
 
 double decode(const Encoding& encoding, double stored, double full_scale) {

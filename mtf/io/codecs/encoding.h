@@ -49,6 +49,9 @@ Encoding parse_oecf(std::string_view text, const std::string& source);
 /// Largest value that the file's samples can store; 1 for floating point.
 double full_scale(const FileInfo& info);
 
+/// Least value that they can: 0, but for whole numbers with a sign.
+double least_stored(const FileInfo& info);
+
 /// The linear value; NaN outside a table.
 double decode(const Encoding& encoding, double stored, double full_scale);
 

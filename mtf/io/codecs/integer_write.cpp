@@ -16,17 +16,6 @@
 namespace mtf::io {
 namespace {
 
-std::vector<std::pair<std::string, std::string>> as_text(const IntegerScaling& scaling, const Metadata& metadata) {
-  std::vector<std::pair<std::string, std::string>> text{{"gain", number_text(scaling.gain)},
-                                                        {"offset", number_text(scaling.offset)}};
-  for (const auto& [name, value] : metadata.text) text.emplace_back(name, value);
-  for (const auto& [name, pair] : metadata.pairs)
-    text.emplace_back(name, number_text(pair[0]) + " " + number_text(pair[1]));
-  for (const auto& [name, list] : metadata.lists) text.emplace_back(name, joined(list, number_text<float>, " "));
-  if (!metadata.history.empty()) text.emplace_back("mtf:history", joined(metadata.history, "\n"));
-  return text;
-}
-
 // round((value - offset) / gain) clamped to 0..scaling.largest(), colours interleaved; counts the clamped (NaN too).
 RasterData quantise(const std::vector<NamedPlane>& planes, const IntegerScaling& scaling, std::int64_t& clamped) {
   const ImageView<const float>& first = planes[0].plane;
@@ -129,7 +118,8 @@ std::int64_t write_integer(const std::string& path, const std::vector<NamedPlane
   check_colours(path, planes);
   std::int64_t clamped = 0;
   RasterData data = quantise(planes, scaling, clamped);
-  data.text = as_text(scaling, metadata);
+  data.text = words_of(metadata);
+  data.text.insert(data.text.begin(), {{"gain", number_text(scaling.gain)}, {"offset", number_text(scaling.offset)}});
   write_raster(path, format, data);
   return clamped;
 }

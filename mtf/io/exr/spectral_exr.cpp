@@ -72,6 +72,12 @@ std::optional<double> wavelength_um(std::string_view text) {
   return std::nullopt;
 }
 
+/// By its name or, where the file lists wavelengths beside the names, as the radiance there.
+std::optional<SpectralChannel> spectral_channel(const ChannelInfo& channel) {
+  if (channel.wavelength_um > 0.0) return SpectralChannel{SpectralChannel::Kind::stokes, 0, channel.wavelength_um};
+  return parse_spectral_channel(channel.name);
+}
+
 std::string attribute(const FileInfo& info, const std::string& name) {
   const auto found = info.attributes.find(name);
   return found == info.attributes.end() ? "" : found->second;
@@ -106,7 +112,7 @@ std::vector<std::size_t> spectral_choice(const std::string& path, const std::vec
   using Set = std::map<double, std::size_t>;
   std::array<Set, 5> sets;  // S0 to S3, T
   for (const std::size_t i : allowed) {
-    const auto channel = parse_spectral_channel(channels[i].name);
+    const auto channel = spectral_channel(channels[i]);
     if (!channel || channel->kind == SpectralChannel::Kind::reradiation) continue;
     Set& set = sets.at(channel->kind == SpectralChannel::Kind::stokes ? static_cast<std::size_t>(channel->stokes) : 4U);
     const auto [other, added] = set.emplace(channel->wavelength_um, i);
@@ -142,13 +148,16 @@ std::vector<std::size_t> spectral_choice(const std::string& path, const std::vec
   return chosen;
 }
 
-std::optional<SpectralPlanes> spectral_planes(const std::string& path, const ImageFile& file) {
-  if (file.info.format != Format::exr || file.names.empty()) return std::nullopt;
+std::optional<SpectralPlanes> spectral_planes(const std::string& path, const ImageFile& file, bool asked) {
+  if (file.names.empty()) return std::nullopt;
   const std::string quantity = attribute(file.info, "mtf:quantity");  // an image of counts keeps its channels' names
   if (!quantity.empty() && quantity != "spectral_radiance") return std::nullopt;
+  // Wavelengths of other formats may be those of reflectance or counts.
+  if (file.info.format != Format::exr && !asked && quantity.empty()) return std::nullopt;
   SpectralPlanes planes;
   for (const std::string& name : file.names) {
-    const auto channel = parse_spectral_channel(name);
+    const auto info = std::ranges::find(file.info.channels, name, &ChannelInfo::name);
+    const auto channel = info == file.info.channels.end() ? std::nullopt : spectral_channel(*info);
     if (!channel || channel->kind != SpectralChannel::Kind::stokes || channel->stokes != 0) return std::nullopt;
     planes.wavelength_um.push_back(channel->wavelength_um);
   }

@@ -42,9 +42,10 @@ struct SpectralPlanes {
   std::vector<std::string> warnings;  ///< what was assumed and left out
 };
 
-/// Of planes read under these names: nothing unless all are S0 channels, and when the file says that its quantity is
-/// another one. Throws UsageError for units that are not known.
-std::optional<SpectralPlanes> spectral_planes(const std::string& path, const ImageFile& file);
+/// Of planes read under these names: nothing unless all are S0 channels or bands whose wavelengths the file lists, and
+/// when the file says that its quantity is another one; of other formats than OpenEXR nothing, too, unless spectral
+/// radiance is what the file says or what is `asked` for. Throws UsageError for units that are not known.
+std::optional<SpectralPlanes> spectral_planes(const std::string& path, const ImageFile& file, bool asked = false);
 
 /// Width of the bin around each wavelength, from midpoint to midpoint, the outer ones as wide inwards as outwards: what
 /// values that are integrals over bins are to be divided by. Throws UsageError for fewer than two.

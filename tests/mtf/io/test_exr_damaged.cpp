@@ -131,12 +131,12 @@ TEST(ExrDamaged, WrongKindsOfFile) {
   };
   expect_says(message(folder / "empty.exr"), {"the file is empty"});
   expect_says(message(folder / "text.exr"), {"OpenEXR", "PNG", "TIFF"});
-  expect_says(message(folder / "short.exr"), {"neither OpenEXR"});
+  expect_says(message(folder / "short.exr"), {"none of OpenEXR"});
   expect_says(message(folder / "."), {"it is a folder"});
   expect_says(message(folder / "missing.exr"), {"No such file"});
   expect_says(message("/dev/zero"), {"not an ordinary file"});
   const auto info = message_of<RuntimeError>([&] { mtf::io::read_info(folder / "text.exr"); });
-  expect_says(info, {"neither OpenEXR"});
+  expect_says(info, {"none of OpenEXR"});
 }
 
 }  // namespace

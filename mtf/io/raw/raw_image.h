@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Images whose numbers lie bare in a file, one after another, as in ENVI, FITS, binary PGM and PPM, and BMP: their
+// headers only differ in how they say where. The sample of plane p at column x and row y lies at
+//   begin + p plane_step + y row_step + x pixel_step
+// bytes; steps are negative where rows go upwards or colours are in the order B,G,R. Windows are read on their own, so
+// that such images need not fit memory.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "mtf/image.h"
+#include "mtf/io/image_io.h"
+#include "mtf/io/raw/number_type.h"
+
+namespace mtf::io {
+
+struct RawImage {
+  std::string file;        ///< that holds the numbers
+  std::vector<char> held;  ///< the numbers themselves, where the file has them in digits; `begin` counts from its start
+  NumberType type{};
+  std::int64_t begin = 0, pixel_step = 0, row_step = 0, plane_step = 0;
+  std::vector<Meaning> planes{};  ///< one a plane
+  FileInfo info{};                ///< format, size, and with channels() one for each plane
+};
+
+/// Throws RuntimeError unless the image, whose size, type and file are known, has pixels and planes, at most as many as
+/// are read at all, and its samples lie in the file from byte `begin` on: nothing is allocated before. `path` is the
+/// file that the user named. Returns how many bytes follow.
+std::int64_t check_samples(const std::string& path, const RawImage& image, std::int64_t begin, std::int64_t planes,
+                           std::int64_t row_padding = 0);
+
+/// Pixel after pixel, each with the samples of all planes, row after row.
+void interleave_pixels(RawImage& image, std::int64_t row_padding = 0);
+
+/// Completes `info`: windows, and channels of these names.
+void name_channels(RawImage& image, const std::vector<std::string>& names, int part = 0);
+
+/// Samples that are `value` have no data. `words` say so: "0 (BLANK)".
+void set_no_data(RawImage& image, double value, const std::string& words);
+
+// The images in a file of each format; several only in FITS, where ReadOptions::part chooses. Only headers are read.
+// Throw RuntimeError for headers that are damaged, that lack what the numbers cannot be read without, or that ask for
+// what is not read; messages name the key.
+std::vector<RawImage> open_envi(const std::string& path);
+std::vector<RawImage> open_fits(const std::string& path);
+std::vector<RawImage> open_pnm(const std::string& path);
+std::vector<RawImage> open_bmp(const std::string& path);
+using OpenRaw = std::vector<RawImage> (*)(const std::string& path);
+
+FileInfo read_raw_info(const std::string& path, OpenRaw open);
+ImageFile read_raw(const std::string& path, OpenRaw open, const ReadOptions& options);
+
+/// Windows of the chosen channels, from any thread.
+class RawWindows {
+ public:
+  /// Opens and checks; errors as read_image, but for the memory that whole planes would need.
+  RawWindows(const std::string& path, OpenRaw open, const ReadOptions& options);
+  ~RawWindows();
+  RawWindows(const RawWindows&) = delete;
+  RawWindows& operator=(const RawWindows&) = delete;
+
+  /// As read_image has it, without planes.
+  const ImageFile& file() const { return file_; }
+  /// Pixels from (x, y) on of consecutive chosen channels, one a view of `out`, all of one size. Throws RuntimeError
+  /// where the file has become shorter.
+  void read(std::size_t first_channel, std::int64_t x, std::int64_t y, std::span<const ImageView<float>> out) const;
+
+ private:
+  RawImage image_;
+  ImageFile file_;
+  std::vector<std::int64_t> chosen_;  ///< planes
+  int descriptor_ = -1;
+};
+
+}  // namespace mtf::io
