@@ -23,6 +23,18 @@ double samples_per_pixel(const SampleGrid& in, const SampleGrid& out) {
   return std::max(1.0, std::ceil(out.step_x_um / in.step_x_um) * std::ceil(out.step_y_um / in.step_y_um));
 }
 
+std::optional<PitchRatio> pitch_ratio(double pitch_um, double step_um) {
+  constexpr std::int64_t kLargestDenominator = 64;
+  constexpr double kRoundingOfRatio = 4e-16;  // of a quotient of two decimals
+  const double ratio = pitch_um / step_um;
+  for (std::int64_t q = 1; q <= kLargestDenominator; ++q) {
+    const double p = std::round(ratio * static_cast<double>(q));
+    if (p >= 1.0 && p < 1e9 && std::abs(ratio * static_cast<double>(q) - p) <= kRoundingOfRatio * p)
+      return PitchRatio{static_cast<std::int64_t>(p), q};
+  }
+  return std::nullopt;
+}
+
 bool is_whole(double pitches) { return pitches > 0.5 && std::abs(pitches - std::round(pitches)) <= kWholeEpsilon; }
 
 bool is_smooth(std::int64_t n) {

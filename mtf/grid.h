@@ -11,6 +11,7 @@
 //   cosine   cos(pi k x / (n step)), k = 0 .. n-1: the half-sample mirror of period 2n, exactly, without padding.
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace mtf {
@@ -29,6 +30,12 @@ struct SampleGrid {
 /// Whole number of samples of `in` that a pixel of `out` touches at least partly, 1 or more: the number of frequencies
 /// that may alias onto one.
 double samples_per_pixel(const SampleGrid& in, const SampleGrid& out);
+
+struct PitchRatio {
+  std::int64_t samples = 1, pixels = 1;  ///< p, q
+};
+/// The ratio of pitch to sample as p/q with q up to 64, exact to the rounding of a double; nothing for any other.
+std::optional<PitchRatio> pitch_ratio(double pitch_um, double step_um);
 
 /// A length is a whole number of pitches within this many pitches.
 inline constexpr double kWholeEpsilon = 1e-9;

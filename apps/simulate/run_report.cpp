@@ -55,7 +55,10 @@ Json plan_json(const mtf::Plan& plan) {
             {"otf_bytes", r.otf_bytes},
             {"buffer_bytes", r.run_bytes}};
   if (r.field.points > 0) {
-    json["field"] = {{"points", r.field.points}, {"modes", r.field.modes}, {"one_otf_error", r.field.one_otf_error}};
+    json["field"] = {{"points", r.field.points},
+                     {"modes", r.field.modes},
+                     {"tiles", r.field.tiles},
+                     {"one_otf_error", r.field.one_otf_error}};
     json["predicted_parts"]["field"] = e.modes;
   }
   return json;

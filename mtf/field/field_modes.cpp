@@ -10,6 +10,7 @@
 #include "mtf/engines/fft/scene_spectrum.h"
 #include "mtf/engines/kernels.h"
 #include "mtf/error.h"
+#include "mtf/field/chebyshev.h"
 #include "mtf/field/field_tables.h"
 #include "mtf/math/special.h"
 #include "mtf/otf/otf_series.h"
@@ -31,36 +32,6 @@ using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
 using Row = Eigen::RowVectorXd;
 using Eigen::Index;
-
-/// Weights of the mean over -1 .. 1 of values at Chebyshev points (Clenshaw and Curtis).
-std::vector<double> mean_weights(std::size_t n) {
-  const std::size_t last = n - 1;
-  std::vector<double> weight(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    double sum = 1.0;
-    for (std::size_t k = 1; k <= last / 2; ++k) {
-      const double b = 2 * k == last ? 1.0 : 2.0, order = static_cast<double>(k);
-      sum -= b / (4.0 * order * order - 1.0) *
-             std::cos(2.0 * kPi * order * static_cast<double>(i) / static_cast<double>(last));
-    }
-    weight[i] = (i == 0 || i == last ? 0.5 : 1.0) * sum / static_cast<double>(last);
-  }
-  return weight;
-}
-
-/// Turns values at those points into Chebyshev coefficients: [coefficient][point].
-Matrix to_series(std::size_t n) {
-  const std::vector<double> falling = chebyshev_transform(static_cast<int>(n) - 1);  // [point][coefficient]
-  return Eigen::Map<const Matrix>(falling.data(), static_cast<Index>(n), static_cast<Index>(n)).rowwise().reverse();
-}
-
-/// T_0 .. T_(n-1) at t.
-std::vector<double> chebyshev(std::size_t n, double t) {
-  std::vector<double> value(n, 1.0);
-  if (n > 1) value[1] = t;
-  for (std::size_t m = 2; m < n; ++m) value[m] = 2.0 * t * value[m - 1] - value[m - 2];
-  return value;
-}
 
 double evaluated(const std::vector<double>& series, std::size_t n, double tx, double ty) {
   const std::vector<double> x = chebyshev(n, tx), y = chebyshev(n, ty);
@@ -307,7 +278,7 @@ FieldModes::FieldModes(const System<double>& given, const SampleGrid& in, const 
                        significant(q.y, 3) + ")");
     }
   const double fx_max = 500.0 / in.step_x_um, fy_max = 500.0 / in.step_y_um;
-  FieldTables tables(system, outline, std::hypot(fx_max, fy_max) * (1.0 + 1e-9), options);
+  FieldTables tables(system, outline, options.reach * std::hypot(fx_max, fy_max) * (1.0 + 1e-9), options);
   const std::vector<std::size_t>& changing = tables.factor().entries;
   const Frequencies at = frequencies_of(tables.system(), changing, options.aperture, fx_max, fy_max);
   const bool one_part = common_parities(system, changing).is_one();
@@ -409,7 +380,8 @@ bool FieldModes::make(FieldTables& tables, const Frequencies& at, const Rms& rms
     between_ = std::max(between_, kBetweenSafety * error);
   }
   // Tables and the average over the band, as errors of all OTFs alike.
-  between_ += options.worst_unit * (std::pow(lebesgue(n), 2) * tables.error() + tables.band_error());
+  band_ = options.worst_unit * tables.band_error();
+  between_ += options.worst_unit * std::pow(lebesgue(n), 2) * tables.error() + band_;
   const bool done = between_ <= options.enough || n == kPoints.back() || tables.is_dear(4 * n * n);
   if (!done) return false;
 
@@ -439,20 +411,33 @@ bool FieldModes::make(FieldTables& tables, const Frequencies& at, const Rms& rms
     const Mode& mode = modes[k];
     made(mode.sum - mode.sum.sum() * weight, Parities(mode.part), kModulusSafety * mode.p.cwiseAbs().maxCoeff());
   }
+  modes.erase(modes.begin() + static_cast<std::ptrdiff_t>(this->count()), modes.end());
+  for (const Mode& mode : modes) series_.push_back(mode.series);
+  for (const double power : {0.0, 0.5, 1.0, 1.5, 2.0}) {
+    Measure& measure = measures_.emplace_back();
+    Vector squares = Vector::Zero(2 * at.count());
+    for (const Mode& mode : modes) {
+      const Vector own = squares_of(at, mode.p);
+      const double c = std::pow(std::max(rms(own), 1e-30), -power);
+      squares += c * own;
+      measure.scale.push_back(1.0 / std::sqrt(c));
+    }
+    measure.rms = rms(squares);
+  }
   for (std::size_t k = 1; k < factors_.size(); ++k) {
     std::vector<float>& along = rows_.emplace_back(n * static_cast<std::size_t>(y_.count));
     for (std::int64_t y = 0; y < y_.count; ++y) {
-      const std::vector<double> values = chebyshev(n, y_.place(y));
+      const std::vector<double> values = chebyshev(n, place_y(static_cast<double>(y)));
       for (std::size_t i = 0; i < n; ++i) {
         double sum = 0.0;
-        for (std::size_t j = 0; j < n; ++j) sum += modes[k - 1].series[j * n + i] * values[j];
+        for (std::size_t j = 0; j < n; ++j) sum += series(k)[j * n + i] * values[j];
         along[static_cast<std::size_t>(y) * n + i] = static_cast<float>(sum);
       }
     }
   }
   along_x_.resize(n * static_cast<std::size_t>(x_.count));
   for (std::int64_t x = 0; x < x_.count; ++x) {
-    const std::vector<double> values = chebyshev(n, x_.place(x));
+    const std::vector<double> values = chebyshev(n, place_x(static_cast<double>(x)));
     for (std::size_t k = 0; k < n; ++k)
       along_x_[k * static_cast<std::size_t>(x_.count) + static_cast<std::size_t>(x)] = static_cast<float>(values[k]);
   }

@@ -37,6 +37,7 @@ struct FieldModesOptions {
   double spectrum_gain = 1.0;               ///< rms error of the image over that of the spectrum
   double part_gain = 1.0;  ///< factor on both for an error of one parity, whose square is as symmetric as the canvas
   double enough = 0.0;     ///< an rms error for which no more points are taken
+  double reach = 1.0;      ///< OTFs are wanted up to that many times the scene's Nyquist frequencies
   int threads = 0;
   OtfProgress progress = {};
 };
@@ -56,6 +57,8 @@ class FieldModes {
   double error(std::size_t modes) const { return error_.at(modes) + between_; }
   /// The same when the OTF of the optical axis serves all pixels.
   double error_of_axis() const { return axis_error_ + between_; }
+  /// The part of it that is of the average over the band.
+  double band_error() const { return band_; }
   /// By how much a weight may be wrong by rounding.
   double weight_rounding() const { return 0x1p-22 * static_cast<double>(n_); }
   /// Places of the image at which OTFs were made.
@@ -67,6 +70,20 @@ class FieldModes {
   /// Adds to row y of the image, from column x on, what mode 1 .. count() filtered, times its weights.
   void add(std::size_t mode, std::int64_t y, std::int64_t x, std::span<const float> filtered, float* image) const;
 
+  /// A bound for what tiles leave of modes 1 .. count() (tile_modes.h): where the weights that are left at a pixel are
+  /// b_k, the error is at most `rms` times the largest root of sum (scale_k b_k)^2 over the image.
+  struct Measure {
+    std::vector<double> scale;
+    double rms = 0.0;
+  };
+  const std::vector<Measure>& measures() const { return measures_; }
+  /// The weight of a mode as a Chebyshev series, [y][x] of as many terms each as this; its variables are
+  std::size_t terms() const { return n_; }
+  const std::vector<double>& series(std::size_t mode) const { return series_.at(mode - 1); }
+  /// the places of pixels, -1 .. 1.
+  double place_x(double pixel) const { return x_.place(pixel); }
+  double place_y(double pixel) const { return y_.place(pixel); }
+
   // What its making goes by.
   struct Frequencies;
   struct Rms;
@@ -77,9 +94,7 @@ class FieldModes {
     std::int64_t count = 0;
     double last() const { return first + step * static_cast<double>(count - 1); }
     /// Pixel i as a place in -1 .. 1, and the field coordinate of a place.
-    double place(std::int64_t i) const {
-      return count > 1 ? 2.0 * static_cast<double>(i) / static_cast<double>(count - 1) - 1.0 : 0.0;
-    }
+    double place(double i) const { return count > 1 ? 2.0 * i / static_cast<double>(count - 1) - 1.0 : 0.0; }
     double at(double t) const { return 0.5 * ((1.0 - t) * first + (1.0 + t) * last()); }  // t in -1 .. 1
   };
   /// Those at which OTFs are made with n points along an axis: the points, places between them, and the optical axis.
@@ -90,10 +105,12 @@ class FieldModes {
   Line x_, y_;
   std::size_t n_ = 0, points_ = 0;  ///< points along an axis
   std::vector<std::shared_ptr<const GivenFactor>> factors_;
+  std::vector<Measure> measures_;
+  std::vector<std::vector<double>> series_;
   std::vector<std::vector<float>> rows_;  ///< of each weight, for each row the Chebyshev coefficients along x
   std::vector<float> along_x_;            ///< the polynomials at the pixels of a row, one after the other
   std::vector<double> error_;
-  double axis_error_ = 0.0, between_ = 0.0;
+  double axis_error_ = 0.0, between_ = 0.0, band_ = 0.0;
 };
 
 /// The system whose field points are measured with the detector of its format or, without one, of that grid.

@@ -286,7 +286,8 @@ double FactoredOtf::aperture_mtf(double r) const {
 }
 
 double FactoredOtf::aperture_factor(Axis axis, double f) const {
-  return limited_inverse(aperture_mtf(axis, f), std::sqrt(aperture_.gain_limit));
+  return limited_inverse(aperture_mtf(axis, f), std::sqrt(aperture_.gain_limit)) *
+         options_.taper.factor(axis == Axis::x ? 0 : 1, f);
 }
 
 double FactoredOtf::aperture_radial(double r) const { return limited_inverse(aperture_mtf(r), aperture_.gain_limit); }

@@ -24,6 +24,7 @@
 #include "mtf/otf/band_mean.h"
 #include "mtf/otf/otf_tables.h"
 #include "mtf/otf/split.h"
+#include "mtf/otf/taper.h"
 #include "mtf/system.h"
 
 namespace mtf {
@@ -77,6 +78,7 @@ struct SamplerOptions {
   int threads = 0;                                                  ///< threads that fill tables; 0 = all cores
   std::optional<SceneCost> scene = std::nullopt;
   ScaleSplit split = {};                          ///< the part of the OTF by scale
+  Taper taper = {};                               ///< of the OTF beyond the scene's frequencies
   std::shared_ptr<const GivenFactor> given = {};  ///< in place of components
   OtfProgress progress = {};
 };

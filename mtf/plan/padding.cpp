@@ -40,10 +40,10 @@ Complex<double> transform_at(const std::vector<Complex<double>>& kernel, double 
   return {scale * sum.re, scale * sum.im};
 }
 
-}  // namespace
-
-std::vector<double> kernel_tails(const FactoredOtf& sampler, const CanvasRequest& request, std::int64_t length,
-                                 double noise, const TailLimit& limit) {
+// Calls visit(kernel, beyond) for the kernel of each section and, where outputs stand between two samples, the one
+// shifted by half a sample, until it returns false. The transforms are not normalised. `beyond`: of the kernel, outside
+// the canvas, at one frequency.
+void for_sections(const FactoredOtf& sampler, const CanvasRequest& request, std::int64_t length, const auto& visit) {
   const FrequencyAxis along{Basis::fourier, length, request.step_um};
   const std::vector<double> across = sections(request.other_nyquist_cy_mm);
   const auto n = static_cast<std::size_t>(length);
@@ -58,13 +58,7 @@ std::vector<double> kernel_tails(const FactoredOtf& sampler, const CanvasRequest
     grid.complex_row(j, row);
     for (std::size_t s = 0; s < kSections; ++s) spectra[s][j] = {row[s].re, row[s].im};
   }
-
-  std::vector<double> tails(n / 2 + 1, 0.0);
-  const double ratio = request.pitch_um / request.step_um;
-  const double silent = noise * static_cast<double>(length);
-  // Of the values of the OTF that are compared: tables and floats.
-  const double rounding = 2.0 * sampler.table_error() + 0x1p-22 * sampler.gain();
-  const bool on_samples = std::abs(std::remainder(ratio - 1.0, 2.0)) < 1e-9;  // odd ratios
+  const bool on_samples = std::abs(std::remainder(request.pitch_um / request.step_um - 1.0, 2.0)) < 1e-9;  // odd ratios
   std::vector<Complex<double>> half_sample(n);
   for (std::size_t r = 0; !on_samples && r < n; ++r)
     half_sample[r] = rotation(static_cast<long double>(0.5 * f[r] * request.step_um * 1e-3));
@@ -73,7 +67,7 @@ std::vector<double> kernel_tails(const FactoredOtf& sampler, const CanvasRequest
       grid.complex_row(s, row);
       for (std::size_t i = 0; i < f.size(); ++i) spectra[s][i] = {row[i].re, row[i].im};
     }
-    double beyond = 0.0;  // of the kernel, outside the canvas
+    Complex<double> beyond{};
     for (const bool between : {false, true}) {
       if (between && on_samples) break;
       std::vector<Complex<double>> kernel(spectra[s].begin(), spectra[s].begin() + length);
@@ -82,18 +76,69 @@ std::vector<double> kernel_tails(const FactoredOtf& sampler, const CanvasRequest
       if (!between) {
         const std::size_t p = s % kTestedAt.size();  // one for each section
         const Complex<double> here = transform_at(kernel, 0.5 * kTestedAt[p]), otf = spectra[s][n + p];
-        beyond = std::max(0.0, std::hypot(here.re - otf.re, here.im - otf.im) - rounding);
+        beyond = {here.re - otf.re, here.im - otf.im};
       }
-      double sum = beyond * static_cast<double>(length);  // the transform is not normalised
-      tails.back() = std::max(tails.back(), beyond);
-      for (std::size_t d = n / 2; d-- > 0;) {
-        // Distances d + 1 to both sides; the middle of an even canvas is both.
-        for (const std::size_t i : {d + 1, n - d - 1})
-          if (const double k = std::hypot(kernel[i].re, kernel[i].im); k > silent) sum += k;
-        tails[d] = std::max(tails[d], sum / static_cast<double>(length));
-      }
-      if (tails[static_cast<std::size_t>(limit.distance)] > limit.sum) return tails;
+      if (!visit(kernel, beyond)) return;
     }
+  }
+}
+
+// Raises tails to those of one kernel.
+void raise_tails(std::span<const Complex<double>> kernel, double beyond, double silent, std::vector<double>& tails) {
+  const std::size_t n = kernel.size();
+  double sum = beyond * static_cast<double>(n);
+  tails.back() = std::max(tails.back(), beyond);
+  for (std::size_t d = n / 2; d-- > 0;) {
+    // Distances d + 1 to both sides; the middle of an even canvas is both.
+    for (const std::size_t i : {d + 1, n - d - 1})
+      if (const double k = std::hypot(kernel[i].re, kernel[i].im); k > silent) sum += k;
+    tails[d] = std::max(tails[d], sum / static_cast<double>(n));
+  }
+}
+
+// Of the values of the OTF that are compared: tables and floats.
+double compared_rounding(const FactoredOtf& sampler) { return 2.0 * sampler.table_error() + 0x1p-22 * sampler.gain(); }
+
+}  // namespace
+
+std::vector<double> kernel_tails(const FactoredOtf& sampler, const CanvasRequest& request, std::int64_t length,
+                                 double noise, const TailLimit& limit) {
+  std::vector<double> tails(static_cast<std::size_t>(length) / 2 + 1, 0.0);
+  const double rounding = compared_rounding(sampler);
+  for_sections(sampler, request, length, [&](std::span<const Complex<double>> kernel, const Complex<double>& beyond) {
+    raise_tails(kernel, std::max(0.0, std::hypot(beyond.re, beyond.im) - rounding), noise * static_cast<double>(length),
+                tails);
+    return tails[static_cast<std::size_t>(limit.distance)] <= limit.sum;
+  });
+  return tails;
+}
+
+SectionKernels::SectionKernels(const FactoredOtf& sampler, const CanvasRequest& request, std::int64_t length)
+    : rounding(compared_rounding(sampler)) {
+  for_sections(sampler, request, length, [&](std::span<const Complex<double>> kernel, const Complex<double>& outside) {
+    values.insert(values.end(), kernel.begin(), kernel.end());
+    beyond.push_back(outside);
+    return true;
+  });
+}
+
+std::vector<double> tails_of_sum(std::span<const SectionKernels> kernels, std::span<const double> weight,
+                                 double noise) {
+  const std::size_t count = kernels.front().beyond.size(), n = kernels.front().values.size() / count;
+  std::vector<double> tails(n / 2 + 1, 0.0);
+  std::vector<Complex<double>> kernel(n);
+  for (std::size_t s = 0; s < count; ++s) {
+    std::fill(kernel.begin(), kernel.end(), Complex<double>{});
+    Complex<double> beyond{};
+    double rounding = 0.0;
+    for (std::size_t m = 0; m < kernels.size(); ++m) {
+      const Complex<double> w{weight[m], 0.0}, *const from = kernels[m].values.data() + s * n;
+      for (std::size_t i = 0; i < n; ++i) kernel[i].re += w.re * from[i].re, kernel[i].im += w.re * from[i].im;
+      beyond = beyond + w * kernels[m].beyond[s];
+      rounding += std::abs(w.re) * kernels[m].rounding;
+    }
+    raise_tails(kernel, std::max(0.0, std::hypot(beyond.re, beyond.im) - rounding), noise * static_cast<double>(n),
+                tails);
   }
   return tails;
 }

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <limits>
+#include <span>
+#include <vector>
 
 #include "mtf/grid.h"
 #include "mtf/otf/factored_otf.h"
@@ -37,6 +39,16 @@ struct TailLimit {
 /// Values below `noise` count as none: the rounding of the OTF's floats, spread over the whole canvas.
 std::vector<double> kernel_tails(const FactoredOtf& sampler, const CanvasRequest& request, std::int64_t length,
                                  double noise = 0.0, const TailLimit& limit = {});
+
+/// The kernels that kernel_tails() looks at: those of a sum of OTFs are sums of them.
+struct SectionKernels {
+  SectionKernels(const FactoredOtf& sampler, const CanvasRequest& request, std::int64_t length);
+  std::vector<Complex<double>> values;  ///< [section][place]
+  std::vector<Complex<double>> beyond;  ///< of each section, outside the canvas
+  double rounding = 0.0;                ///< of that
+};
+/// kernel_tails() of the sum of weight[i] times the OTF of kernels[i].
+std::vector<double> tails_of_sum(std::span<const SectionKernels> kernels, std::span<const double> weight, double noise);
 
 /// The defined canvas (mtf/border.h) or, where the tails of the point spread beyond it fit the budget, a shorter
 /// smooth one. The tails are those of the OTF itself: for fourteen frequencies of the other axis the kernel along this

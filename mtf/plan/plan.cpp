@@ -12,45 +12,11 @@
 #include "mtf/engines/kept_plane.h"
 #include "mtf/engines/statistics.h"
 #include "mtf/error.h"
-#include "mtf/field/field_modes.h"
 #include "mtf/parallel.h"
-#include "mtf/plan/plan_parts.h"
+#include "mtf/plan/plan_impl.h"
 #include "mtf/words.h"
 
 namespace mtf {
-
-/// The plan of the processor in place of that of a device that has failed.
-struct ProcessorPlan {
-  std::mutex lock;
-  std::optional<Plan> plan;
-};
-
-struct Plan::Impl {
-  System<double> system;
-  std::vector<Stage> stages;
-  PlanOptions options;
-  ScaleSplit split;
-  PlanReport report;
-  std::shared_ptr<const FactoredOtf> sampler;  ///< whose tables the plan of a changed system shares
-  double dc = 1.0;
-  double cost_ms = 0.0;                  ///< predicted, of the chosen candidate
-  double family_choice_ms = 0.0;         ///< the same when all methods were last judged
-  std::shared_ptr<const Engine> engine;  ///< null for the identity
-  std::shared_ptr<ProcessorPlan> otherwise = std::make_shared<ProcessorPlan>();  ///< where the device fails
-  std::shared_ptr<const FieldModes> field;  ///< of an OTF that changes over the image,
-  std::vector<Plan> modes;                  ///< whose modes these filter, the mean first
-};
-
-/// What compiling is besides its options: how it relates to a compilation before, and the part of the OTF that tiles
-/// ask for.
-struct Plan::Recompile {
-  const Plan::Impl* earlier = nullptr;  ///< whose transforms are shared
-  bool keep_family = false;             ///< only the family of methods of `earlier`
-  bool tables = true;  ///< false: radial factors at every frequency, for tolerances that leave no room for a table
-  ScaleSplit split = {};
-  std::shared_ptr<const GivenFactor> mode = {};  ///< of an OTF that changes over the field
-  double dc = 1.0;                               ///< of that factor
-};
 
 namespace {
 
@@ -86,43 +52,6 @@ double flat_columns(ImageView<const float> scene) {
   return static_cast<double>(groups.size()) * static_cast<double>(kGroup) / static_cast<double>(scene.width);
 }
 
-UsageError other_spectrum() {
-  return UsageError("PlanOptions::spectrum is of a scene of another size or border; make it from this one");
-}
-
-/// What an OTF error of 1 may become, as an rms error of the image relative to the scene's std.
-struct Norms {
-  Norms(const SampleGrid& in, const SampleGrid& out, const PlanOptions& options) {
-    canvas = canvas_norm_of(options, in);
-    // The error of the whole scene may concentrate in the part of it that the detector sees.
-    norm = canvas * std::sqrt(std::max(1.0, in.area_um2() / out.area_um2()));
-    alias = std::sqrt(samples_per_pixel(in, out));
-    // A mirrored canvas is four images; an error that is not mirrored may concentrate in one of them.
-    spectrum_gain = norm / canvas * (options.border == Border::reflect ? 2.0 : 1.0);
-  }
-  double canvas = 1.0, norm = 1.0;  ///< of the defined canvas; where all of it lies in the image
-  double alias = 1.0;
-  double spectrum_gain = 1.0;  ///< over the rms error of the scene's spectrum
-
-  double of_any() const { return alias * norm; }
-};
-
-// How the tolerance is shared out over a field: modes that are left out, the mean OTF, the others.
-constexpr double kModesShare = 0.75, kMeanShare = 0.125;
-constexpr double kEnoughShare = 0.1;  // for modes alone
-
-PredictedError& operator+=(PredictedError& a, const PredictedError& b) {
-  a.dropped += b.dropped, a.table += b.table, a.band += b.band, a.cut += b.cut, a.wrap += b.wrap;
-  a.kernel += b.kernel, a.modes += b.modes, a.flat += b.flat, a.arithmetic += b.arithmetic;
-  return a;
-}
-
-PlanOptions on_processor(PlanOptions options) {
-  options.device = {};
-  if (options.method == Method::fft_device) options.method.reset();
-  return options;
-}
-
 void check_size(std::int64_t width, std::int64_t height, const SampleGrid& grid, const char* name) {
   if (width == grid.width && height == grid.height) return;
   throw UsageError(std::string(name) + " image is " + size_text(width, height) + ", the plan was made for " +
@@ -133,14 +62,20 @@ void fill(ImageView<float> out, float value) {
   for (std::int64_t y = 0; y < out.height; ++y) std::fill_n(out.row(y), out.width, value);
 }
 
-bool share_memory(ImageView<const float> a, ImageView<const float> b) {
-  const std::less<const float*> before;
-  return before(a.data, b.row(b.height)) && before(b.data, a.row(a.height));
-}
-
 std::string short_number(double value) { return significant(value, 2); }
 
 }  // namespace
+
+PlanOptions on_processor(PlanOptions options) {
+  options.device = {};
+  if (options.method == Method::fft_device) options.method.reset();
+  return options;
+}
+
+void require_spectrum_of(const SampleGrid& in, const PlanOptions& options) {
+  if (options.spectrum && !options.spectrum->is_of(in.width, in.height, options.border))
+    throw UsageError("PlanOptions::spectrum is of a scene of another size or border; make it from this one");
+}
 
 double canvas_norm_of(const PlanOptions& options, const SampleGrid& in) {
   if (options.scene) return options.scene->canvas_norm / options.scene->std;
@@ -203,7 +138,7 @@ Plan compile_stages(const System<double>& system, std::span<const Stage> stages,
                      " is larger than the scene, which holds " +
                      size_text(report.whole_pitches_x, report.whole_pitches_y) + " whole pixels; use detector_grid()");
 
-  if (options.spectrum && !options.spectrum->is_of(in.width, in.height, options.border)) throw other_spectrum();
+  require_spectrum_of(in, options);
   const Norms norms(in, out, options);
   const double ratio_x = out.step_x_um / in.step_x_um, ratio_y = out.step_y_um / in.step_y_um;
   std::optional<SceneCost> scene_cost;
@@ -262,113 +197,6 @@ Plan compile_stages(const System<double>& system, std::span<const Stage> stages,
   impl->family_choice_ms = how.keep_family ? how.earlier->family_choice_ms : impl->cost_ms;
   describe(*chosen, candidates, impl->engine.get(), task, report);
   for (MethodCandidate& candidate : candidates) report.candidates.push_back(std::move(candidate.report));
-  Plan plan;
-  plan.impl_ = std::move(impl);
-  return plan;
-}
-
-Plan compile_over_field(const System<double>& given, const SampleGrid& in, const SampleGrid& out,
-                        const PlanOptions& options) {
-  constexpr std::array stages{Stage::presample};
-  const System<double> system = with_field_radius(given, out);
-  const double tolerance = options.tolerance;
-  const System<double> axis = system.at({});
-  if (!(tolerance > 0.0 && tolerance < 1.0)) return compile_stages(axis, stages, in, out, options, {});  // refused
-  if (options.method && family(name_of(*options.method)) != Family::fft)
-    throw UsageError("method " + std::string(name_of(*options.method)) +
-                     " takes one OTF for the whole image; here it changes over the field by " +
-                     names_over_field(given) + ": leave --method out");
-  if (options.spectrum && !options.spectrum->is_of(in.width, in.height, options.border)) throw other_spectrum();
-  const Norms norms(in, out, options);
-  const auto field = std::make_shared<const FieldModes>(
-      system, in, out,
-      FieldModesOptions{.aperture = options.aperture,
-                        .table_error = std::clamp(0.1 * kTableShare * tolerance / norms.of_any(), 2e-9, 1e-6),
-                        .band_error = kBandShare * tolerance / norms.of_any(),
-                        .worst_unit = norms.of_any(),
-                        .spectrum = options.spectrum.get(),
-                        .spectrum_gain = norms.spectrum_gain,
-                        .part_gain = options.border == Border::reflect ? 0.5 : 1.0,
-                        .enough = kEnoughShare * tolerance,
-                        .threads = options.threads,
-                        .progress = options.progress});
-  FieldReport report{field->points(), 0, field->error_of_axis()};
-  std::vector<std::string> notes;
-  if (system.frame.columns > out.width || system.frame.rows > out.height)
-    notes.push_back("the scene covers " + size_text(out.width, out.height) + " pixels of the detector's " +
-                    size_text(system.frame.columns, system.frame.rows) +
-                    ", from its upper left corner: field points are those of the "
-                    "whole detector");
-  if (report.one_otf_error < tolerance) try {
-      const Plan plan = compile_stages(axis, stages, in, out, options, {});
-      if (plan.report().predicted.total() + report.one_otf_error <= tolerance) {
-        auto impl = std::make_shared<Plan::Impl>(*plan.impl_);
-        impl->system = given;
-        impl->report.field = report;
-        impl->report.notes.insert(impl->report.notes.end(), notes.begin(), notes.end());
-        impl->report.predicted.modes = report.one_otf_error;
-        Plan result;
-        result.impl_ = std::move(impl);
-        return result;
-      }
-    } catch (const UnreachableTolerance&) {  // said below
-    }
-  if (options.device.device)
-    notes.push_back("the OTF changes over the field: its modes are the processor's work, not that of " +
-                    options.device.device->info().name);
-  // What is added is rounded to the image each time, and so are its weights.
-  const auto rounding = [&](std::size_t modes) {
-    double error = 0.0;
-    for (std::size_t k = 1; k <= modes; ++k)
-      error += storage_error(options) + field->weight_rounding() * field->factor(k)->largest * norms.norm;
-    return error;
-  };
-  const auto error_with = [&](std::size_t modes) { return field->error(modes) + rounding(modes); };
-  while (report.modes <= field->count() && error_with(report.modes) > kModesShare * tolerance) ++report.modes;
-  if (report.modes > field->count()) {
-    // Modes of a tenth of the tolerance are left out on top of what the places miss.
-    const double reachable = 1.01 * error_with(field->count()) / (kModesShare - kEnoughShare);
-    throw UnreachableTolerance("tolerance " + format_double(tolerance) +
-                                   " cannot be kept: the OTF changes more sharply over the field than OTFs at " +
-                                   std::to_string(report.points) + " places can follow; use " +
-                                   (reachable < 1.0 ? significant(reachable, 3) + " or more" : "weaker terms"),
-                               reachable < 1.0 ? reachable : std::numeric_limits<double>::infinity());
-  }
-  auto impl = std::make_shared<Plan::Impl>();
-  impl->system = given;
-  impl->stages.assign(stages.begin(), stages.end());
-  impl->options = options;
-  impl->options.progress = {};
-  impl->field = field;
-  PlanReport total;
-  double moduli = 0.0;  // of all modes but the mean: what each may err by is shared out by them
-  for (std::size_t k = 1; k <= report.modes; ++k) moduli += field->factor(k)->largest;
-  for (std::size_t k = 0; k <= report.modes; ++k) {
-    PlanOptions own = on_processor(options);
-    own.tolerance =
-        (k == 0 ? kMeanShare : (1.0 - kModesShare - kMeanShare) * field->factor(k)->largest / moduli) * tolerance;
-    const Plan::Impl* earlier = k == 0 ? nullptr : impl->modes.back().impl_.get();  // with whose transforms it goes
-    try {
-      impl->modes.push_back(compile_stages(axis, stages, in, out, own,
-                                           {.earlier = earlier, .mode = field->factor(k), .dc = k == 0 ? 1.0 : 0.0}));
-    } catch (const UnreachableTolerance& e) {
-      throw unreachable_tolerance(tolerance, std::min(1.0, e.reachable() / own.tolerance * tolerance), options.scene);
-    }
-    const PlanReport& mode = impl->modes.back().report();
-    if (k == 0) total = mode;
-    if (k == 0) continue;
-    total.predicted += mode.predicted;
-    total.otf_bytes += mode.otf_bytes;
-    total.run_bytes = std::max(total.run_bytes, mode.run_bytes);
-  }
-  total.predicted.modes += field->error(report.modes);
-  total.predicted.arithmetic += rounding(report.modes);
-  total.method = "field_modes";
-  total.tolerance = tolerance;
-  total.field = report;
-  total.notes.insert(total.notes.end(), notes.begin(), notes.end());
-  impl->dc = impl->modes.front().dc();
-  impl->report = std::move(total);
   Plan plan;
   plan.impl_ = std::move(impl);
   return plan;
@@ -495,23 +323,6 @@ void Plan::run_engine(const std::vector<Channel>& channels, int threads) const {
   other.plan->impl_->engine->run(channels, threads);
 }
 
-// The mean first, then what each mode adds with its weights.
-void Plan::run_modes(std::span<const ImageView<const float>> in, std::span<const ImageView<float>> out,
-                     double border_value, int threads, std::span<KeptPlane> kept) const {
-  std::vector<Image> copies;
-  std::vector<ImageView<const float>> from;
-  std::vector<KeptPlane> own(kept.empty() ? in.size() : 0);
-  const std::span<KeptPlane> planes = kept.empty() ? std::span<KeptPlane>(own) : kept;
-  for (std::size_t c = 0; c < in.size(); ++c)
-    from.push_back(share_memory(in[c], out[c]) ? copies.emplace_back(copy_of(in[c])).view() : in[c]);
-  impl_->modes.front().run_planes(from, out, border_value, threads, planes);
-  for (std::size_t k = 1; k < impl_->modes.size(); ++k)
-    impl_->modes[k].run_planes(from, out, border_value, threads, planes,
-                               [&](std::size_t c, std::int64_t y, std::int64_t x, std::span<const float> samples) {
-                                 impl_->field->add(k, y, x, samples, out[c].row(y));
-                               });
-}
-
 std::string Plan::explain() const {
   const PlanReport& r = impl_->report;
   std::string text = "plan      " + r.method + ", " + size_text(r.in.width, r.in.height) + " samples of " +
@@ -530,7 +341,9 @@ std::string Plan::explain() const {
   if (r.field.points > 0)
     text += "field     " +
             (r.field.modes == 0 ? std::string("one OTF serves all pixels")
-                                : "the mean OTF and " + plural(static_cast<std::int64_t>(r.field.modes), "mode")) +
+                                : "the mean OTF and " + (r.field.tiles > 0 ? std::string("at most ") : std::string()) +
+                                      plural(static_cast<std::int64_t>(r.field.modes), "mode") +
+                                      (r.field.tiles > 0 ? " a tile" : "")) +
             ", from OTFs at " + std::to_string(r.field.points) +
             " places; that of the axis alone would err by at most " + short_number(r.field.one_otf_error) + "\n";
   for (const Omission& o : r.omitted)

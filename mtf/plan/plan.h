@@ -81,14 +81,16 @@ enum class Method {
   direct_square,  ///< one two-dimensional kernel on a square, a disc
   direct_disc,    ///< or a diamond |x| + |y| <= r of samples, mirrored samples added first
   direct_diamond,
-  fft_float,   ///< real transforms in float
-  fft_cut,     ///< the same, only the columns below the cutoff
-  fft_double,  ///< real transforms in double
-  fft_device   ///< real transforms in float on a device (mtf/device), transfers included
+  fft_float,    ///< real transforms in float
+  fft_cut,      ///< the same, only the columns below the cutoff
+  fft_double,   ///< real transforms in double
+  fft_device,   ///< real transforms in float on a device (mtf/device), transfers included
+  field_modes,  ///< an OTF that changes over the image: the mean OTF and modes of the image (mtf/field)
+  field_tiles   ///< the same, the modes in tiles
 };
-inline constexpr std::array<std::string_view, 10> kMethodNames{
-    "identity",       "separable", "low_rank", "direct_square", "direct_disc",
-    "direct_diamond", "fft_float", "fft_cut",  "fft_double",    "fft_device"};
+inline constexpr std::array<std::string_view, 12> kMethodNames{
+    "identity",  "separable", "low_rank",   "direct_square", "direct_disc", "direct_diamond",
+    "fft_float", "fft_cut",   "fft_double", "fft_device",    "field_modes", "field_tiles"};
 
 class SceneSpectrum;
 struct Channel;
@@ -143,13 +145,14 @@ struct Omission {
 /// How a plan treats an OTF that changes over the field (mtf/field/field_modes.h).
 struct FieldReport {
   std::size_t points = 0;      ///< places of the image at which OTFs were made; 0 for an isoplanatic system
-  std::size_t modes = 0;       ///< besides the mean OTF; 0: one OTF serves all pixels
+  std::size_t modes = 0;       ///< besides the mean OTF, of a tile at most; 0: one OTF serves all pixels
+  std::size_t tiles = 0;       ///< of field_tiles
   double one_otf_error = 0.0;  ///< predicted rms error where the OTF of the optical axis serves all pixels
 };
 
 /// What a plan decided, for reports.
 struct PlanReport {
-  std::string method;  ///< name of the chosen one; "field_modes" for one OTF a mode
+  std::string method;  ///< name of the chosen one
   std::vector<Candidate> candidates;
   std::vector<Omission> omitted;
   SampleGrid in, out;

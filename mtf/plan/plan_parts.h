@@ -10,6 +10,7 @@
 
 #include "mtf/engines/engine.h"
 #include "mtf/engines/fft/axis.h"
+#include "mtf/engines/fft/spectral.h"
 #include "mtf/engines/taps/taps.h"
 #include "mtf/otf/factored_otf.h"
 #include "mtf/plan/plan.h"
@@ -153,5 +154,8 @@ struct SpectralWork {
 /// be null) where that one has the same axes, lines and precision.
 std::shared_ptr<const SpectralFilter> make_spectral_filter(const FactoredOtf& sampler, const SpectralWork& work,
                                                            fft::Rigor rigor, int threads, const Engine* earlier);
+
+/// The OTF on the frequencies of an engine, times its scale.
+OtfBlocks<float> make_otf_blocks(const FactoredOtf& sampler, const SpectralEngine<float>& engine, int threads);
 
 }  // namespace mtf

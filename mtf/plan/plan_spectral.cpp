@@ -207,6 +207,10 @@ std::shared_ptr<const SpectralFilter> make_filter(const FactoredOtf& sampler, co
 
 }  // namespace
 
+OtfBlocks<float> make_otf_blocks(const FactoredOtf& sampler, const SpectralEngine<float>& engine, int threads) {
+  return make_otf(sampler, engine, threads);
+}
+
 std::shared_ptr<const SpectralFilter> make_device_spectral_filter(const FactoredOtf& sampler, const AxisTransform& x,
                                                                   const AxisTransform& y,
                                                                   const std::shared_ptr<const Device>& device,

@@ -20,9 +20,7 @@
 namespace mtf {
 namespace {
 
-constexpr std::int64_t kLargestDenominator = 64;
-constexpr double kRoundingOfRatio = 4e-16;  // of a quotient of two decimals
-constexpr double kRough = 1.6;              // a transform of a length with large factors, against a smooth one
+constexpr double kRough = 1.6;  // a transform of a length with large factors, against a smooth one
 
 std::int64_t round_up(std::int64_t n, std::int64_t to) { return (n + to - 1) / to * to; }
 
@@ -30,17 +28,6 @@ double cost_per_pixel(const TileAxis& axis) {
   const auto length = static_cast<double>(axis.canvas_samples());
   return length * (std::log2(length) + 8.0) * (is_smooth(axis.canvas_samples()) ? 1.0 : kRough) /
          static_cast<double>(std::min(axis.tile, axis.skipped + axis.outputs));
-}
-
-/// The ratio of pitch to sample as p/q with q up to 64, exact to the rounding of a double; nothing for any other.
-std::optional<PitchRatio> pitch_ratio(double pitch_um, double step_um) {
-  const double ratio = pitch_um / step_um;
-  for (std::int64_t q = 1; q <= kLargestDenominator; ++q) {
-    const double p = std::round(ratio * static_cast<double>(q));
-    if (p >= 1.0 && p < 1e9 && std::abs(ratio * static_cast<double>(q) - p) <= kRoundingOfRatio * p)
-      return PitchRatio{static_cast<std::int64_t>(p), q};
-  }
-  return std::nullopt;
 }
 
 /// What is asked of an axis. Halos in scene samples (presample) and pixels (after the sampling).

@@ -71,10 +71,6 @@ struct TileTally {
   double saved_ms = 0.0;                             ///< that the flat ones would have taken, estimated
 };
 
-struct PitchRatio {
-  std::int64_t samples = 1, pixels = 1;  ///< p, q
-};
-
 /// How an output is cut into equal tiles along an axis. A tile starts at a whole number of pixels and of scene samples,
 /// so that one plan serves them all: with pitch / sample = p/q every q pixels are p samples.
 ///

@@ -365,8 +365,8 @@ TEST(Field, ValuesAreCheckedWhereThePixelsAre) {
               {"separable", "--method"});
 }
 
-/// Realised <= predicted <= tolerance, or a refusal that names a tolerance.
-void keeps_its_promise(unsigned seed) {
+/// Realised <= predicted <= tolerance, or a refusal that names a tolerance; with tiles also one that says why not.
+void keeps_its_promise(unsigned seed, bool in_tiles = false) {
   std::mt19937 generator(seed);
   const auto uniform = [&](double lo, double hi) { return std::uniform_real_distribution<double>(lo, hi)(generator); };
   const auto below = [&](unsigned n) { return static_cast<int>(generator() % n); };
@@ -413,11 +413,17 @@ void keeps_its_promise(unsigned seed) {
                    out{columns, rows, s.frame.pitch_x_um, s.frame.pitch_y_um};
   PlanOptions options = options_for(scene, border, std::pow(10.0, uniform(-4.0, -1.0)), border_value);
   if (below(2) == 0) options.spectrum = scene_spectrum(scene.view(), border, 1);
+  if (in_tiles) options.method = Method::field_tiles;
   std::optional<Plan> plan;
   try {
     plan = compile(s, in, out, options);
   } catch (const UnreachableTolerance& refused) {
     EXPECT_GT(refused.reachable(), options.tolerance);
+    return;
+  } catch (const UsageError& refused) {
+    if (!in_tiles) throw;
+    EXPECT_NE(std::string(refused.what()).find("field_tiles: "), std::string::npos);
+    std::printf("seed %u, tolerance %.1e, %s\n", seed, options.tolerance, refused.what());
     return;
   }
   const PredictedError& predicted = plan->report().predicted;
@@ -433,6 +439,7 @@ void keeps_its_promise(unsigned seed) {
 
 TEST(Field, PromiseAtRandom) {
   for (unsigned seed = 1; seed <= 10; ++seed) keeps_its_promise(seed);
+  for (unsigned seed = 4; seed <= 10; ++seed) keeps_its_promise(seed, true);
 }
 
 // Where the cut begins, OTFs have a kink over the field, which points of the image meet slowly.
@@ -454,7 +461,8 @@ TEST(FieldLong, CutPupilsKeepThePromise) {
 }
 
 TEST(FieldLong, PromiseAtRandom) {
-  for (unsigned seed = 11; seed <= 210; ++seed) keeps_its_promise(seed);
+  for (const bool in_tiles : {false, true})
+    for (unsigned seed = 11; seed <= 210; ++seed) keeps_its_promise(seed, in_tiles);
 }
 
 }  // namespace
