@@ -10,7 +10,7 @@
 
 #include "apps/characterize/number_words.h"
 #include "apps/text/message_words.h"
-#include "calib/characterize/line_spectrum.h"
+#include "calib/characterize/spectra.h"
 #include "calib/edge/median.h"
 #include "calib/fit/fit_report.h"
 

@@ -24,7 +24,7 @@
 #include <vector>
 
 #include "calib/characterize/time_scales.h"
-#include "calib/characterize/time_spectrum.h"
+#include "calib/characterize/spectra.h"
 #include "mtf/image.h"
 #include "radiometry/stages/noise/mean_squares.h"
 

@@ -14,7 +14,7 @@
 #include <random>
 
 #include "calib/characterize/characterize.h"
-#include "calib/characterize/line_spectrum.h"
+#include "calib/characterize/spectra.h"
 #include "tests/expect_error.h"
 
 namespace calib {
