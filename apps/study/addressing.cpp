@@ -125,6 +125,9 @@ Found of_component(const SensorView& view, const Target& target) {
       if (!is_given(view, target)) return {std::nullopt, not_given(view, target, *field.info)};
       const mtf::Unit* unit = unit_written(field, target.key);
       const auto site = calib::parameter_site(system, target.path());
+      if (site.numbers.empty() && !target.term.empty())
+        return {std::nullopt, "the sensor file has no such term of a number over the field; write " + target.key +
+                                  " = { 1 = ..., " + target.term + " = ... } there"};
       if (site.numbers.empty() && list)
         return {std::nullopt, "the list in the sensor file has no such element; write a longer one (with zeros) there"};
       if (site.numbers.empty())

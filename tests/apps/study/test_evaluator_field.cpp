@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "apps/sensor/otf_curves.h"
+#include "apps/sensor/sensor_air.h"
 #include "apps/sensor/sensor_chain.h"
 #include "mtf/field/image_places.h"
 #include "tests/apps/study/evaluated.h"
@@ -88,6 +89,27 @@ TEST(EvaluatorField, DerivativesGoOverTheImage) {
       folder, study_of(kPitches, R"("mtf_nyquist_x.mean", "mtf_nyquist_y.worst", "rer_x.mean")"), 1, 1e-5);
   // The worst alone follows its place.
   study_test::expect_gradient(folder, study_of(kPitches, R"("mtf_nyquist_y.worst", "fwhm_x.worst")"), 1, 1e-5);
+}
+
+// An axis may be a term, whose values are those of files with them.
+TEST(EvaluatorField, TermsAreParameters) {
+  const Folder folder;
+  folder.write("camera.toml", lens(kTerms));
+  const std::string terms = "[[axis]]\nparameter = \"wavefront.w131.r\"\nfrom = 0.2\nto = 0.6\ncount = 3\n";
+  Evaluated e = evaluated(folder, study_of(terms, R"("mtf_nyquist_x", "mtf_nyquist_x.worst")"));
+  double before = 1.0;
+  for (const auto& [design, text] :
+       {std::pair{std::int64_t{0}, "{ r = 0.2 }"}, std::pair{std::int64_t{2}, "{ r = 0.6 }"}}) {
+    e.at(design);
+    const auto result =
+        mtf::io::parse_config(replaced(lens(kTerms), "{ r = 0.4 }", text), "s.toml", apps::sensor_schema());
+    const mtf::System<double> system = apps::with_electron_rate(result.config.system, apps::load_chain(result.config));
+    EXPECT_NEAR(e["mtf_nyquist_x.worst"], over_image(system, 0.0, false).worst, 1e-8);
+    EXPECT_NEAR(e["mtf_nyquist_x"], over_image(system, 0.0, false).axis, 1e-8);
+    EXPECT_LT(e["mtf_nyquist_x.worst"], before);
+    before = e["mtf_nyquist_x.worst"];
+  }
+  EXPECT_TRUE(says(folder.lines(study_of(replaced(terms, "w131.r", "w040.r2"), R"("rer")")), "no such term"));
 }
 
 // What does not change is the same everywhere, to the bit and at no cost.
