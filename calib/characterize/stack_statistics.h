@@ -23,8 +23,8 @@
 #include <span>
 #include <vector>
 
-#include "calib/characterize/time_scales.h"
 #include "calib/characterize/spectra.h"
+#include "calib/characterize/time_scales.h"
 #include "mtf/image.h"
 #include "radiometry/stages/noise/mean_squares.h"
 
