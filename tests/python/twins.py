@@ -120,6 +120,15 @@ class PhotonCamera:
         return mk.Stack(cube, photons=self.photons[i]) if i else mk.Stack(cube, light=False)
 
 
+class FaultyCamera(PhotonCamera):
+    """The same with hot and dead pixels, and 1/f noise from frame to frame, none of which the nominal has."""
+
+    def __init__(self, draw):
+        super().__init__(draw)
+        self.sensor = self.sensor.replace({"defects.dead_fraction": 0.004, "defects.hot_fraction": 0.006, "defects.hot": "300 e-",
+                                           "frame_flicker.octave": "2 e-", "frame_flicker.lowest": 0.006})
+
+
 class ThermalCamera:
     """The same of an uncooled camera before blackbodies."""
 
@@ -187,3 +196,21 @@ def compared(camera, twin, seed):
     return {(i, name): z for i in camera.tested
             for name, z in comparisons(frames_of(camera.sensor, camera.levels[i], 100_001 + FRAMES * i),
                                        frames_of(twin.sensor, camera.levels[i], 1 + FRAMES * i, seed)).items()}
+
+
+def faults(dark, bright):
+    """What both arrays of a faulty camera have alike, {name: (number, standard deviation)}: hot and dead pixels, the mean dark count, and
+    the power of the noise of the other pixels in differences of 1 and of 8 frames."""
+    mean, lit = dark.mean(0, dtype=float), bright.mean(0, dtype=float)
+    above = mean - np.median(mean)
+    far = 6.0 * 1.4826 * np.median(np.abs(above))
+    hot, dead = above > far, lit < 0.5 * np.median(lit)
+    excess = above[hot] - far
+    good = dark[:, np.abs(above) < far].astype(float)
+    steps = (good[0::2] - good[1::2]).ravel()
+    halves = good[:FRAMES // 2].sum(0) - good[FRAMES // 2:].sum(0)
+    power = {name: ((d ** 2).mean() / n, (d ** 2).mean() / n * np.sqrt(2.0 / d.size))
+             for name, d, n in (("power of 1", steps, 2), ("power of 8", halves, FRAMES))}
+    return {"hot": (hot.sum(), np.sqrt(hot.sum())), "dead": (dead.sum(), np.sqrt(dead.sum())),
+            "excess": (excess.mean(), excess.mean() / np.sqrt(hot.sum())),
+            "dark": (mean.mean(), mean.std() / np.sqrt(mean.size)), **power}
