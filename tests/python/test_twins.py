@@ -38,7 +38,7 @@ def test_defects_and_slow_noise_are_in_the_twin():
     level = camera.levels[7]
     own = faults(frames_of(camera.sensor, camera.levels[0], 100_001), frames_of(camera.sensor, level, 100_101))
     its = faults(frames_of(twin.sensor, camera.levels[0], 1, 4711), frames_of(twin.sensor, level, 101, 4711))
-    # The twin's numbers have errors of the size of those of the comparison.
+    # The errors of the twin's numbers are as large as those of the comparison.
     z = {name: (its[name][0] - own[name][0]) / np.sqrt(2.0 * (own[name][1] ** 2 + its[name][1] ** 2)) for name in own}
     assert max(abs(value) for value in z.values()) < 4.0, z
     assert own["power of 8"][0] > 2.0 * own["power of 1"][0]
