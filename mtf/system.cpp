@@ -95,8 +95,9 @@ std::vector<Problem> wrong_over_field(const System<double>& system, std::size_t 
   std::vector<Problem> problems;
   System<double> alone = system;
   std::erase_if(alone.field.numbers, [entry](const auto& number) { return number.entry != entry; });
-  const bool mapped =
-      std::ranges::any_of(alone.field.numbers, [](const auto& number) { return number.map != nullptr; });
+  const bool mapped = std::ranges::any_of(alone.field.numbers, [](const auto& number) {
+    return number.map != nullptr && number.map->unit != FieldUnit::half_diagonal;
+  });
   if (!mapped) alone.half_diagonal_um = 1.0;  // at() asks for a size
   for (const FieldPoint<double>& q : points_over_field(system)) {
     const auto add = [&](Problem problem) {

@@ -62,6 +62,13 @@ bool is_number(const Parameter& parameter, const std::string& value) {
   }
 }
 
+/// Terms of a number over the field that name a table.
+bool names_table(const cfg::Node& node) {
+  return std::ranges::any_of(node.members,
+                             [](const cfg::Member& m) { return m.key == cfg::kTableKey || names_table(m.value); }) ||
+         std::ranges::any_of(node.items, names_table);
+}
+
 /// A text in such a place would be opened as a file.
 void require_no_file(const Parameter& parameter, const Edit& edit) {
   const bool encoding = parameter.name == "encoding" && edit.name.starts_with("scene.");
@@ -70,9 +77,8 @@ void require_no_file(const Parameter& parameter, const Edit& edit) {
   if (parameter.type == mtf::FieldType::number_or_file && !is_number(parameter, edit.value))
     throw UsageError(edit.name + ": \"" + edit.value +
                      "\" is no number here; files are named in the sensor file alone");
-  // The terms of numbers over the field may name one too.
   if (edit.value.starts_with('{') || edit.value.starts_with('['))
-    if (edit.value.find(cfg::kTableKey) != std::string::npos)
+    if (const cfg::Tree tree = cfg::read_tree("value = " + edit.value); tree.error || names_table(tree.root))
       throw UsageError(edit.name + ": names a file, which the live view does not change; edit the sensor file");
   if (encoding && edit.value != "linear" && edit.value != "srgb" && !edit.value.starts_with("gamma"))
     throw UsageError(edit.name + ": linear, srgb or gamma; files are named in the sensor file alone");

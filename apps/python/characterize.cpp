@@ -4,6 +4,7 @@
 
 #include <pybind11/stl.h>
 
+#include "apps/characterize/blackbodies.h"
 #include "apps/characterize/camera_edges.h"
 #include "apps/characterize/emva_descriptor.h"
 #include "apps/characterize/find_camera.h"
@@ -53,6 +54,8 @@ CharacterizeHandle characterized(const FileName& path, const std::string& text, 
       own = read_sensor_file(file.nominal);
     if (own) file.nominal = own->file, file.nominal_sha256 = own->sha256;
     if (!images.empty() && !own) throw mtf::UsageError("edges: there is nothing to fit without a nominal");
+    if (!images.empty() && file.has_blackbodies() && !is_thermal(*own))
+      throw mtf::UsageError("edges: they are fitted to a sensor file, and blackbodies make none of a photon detector");
     if (!images.empty()) static_cast<void>(fit_parameters(*own));
     ReadStacks read = read_stacks(file, own, threads, [&](double share) { report(share); });
     control.check();

@@ -194,6 +194,7 @@ class Analysis {
   PlaneSquares dark_, response_;  ///< of the dark stack's pattern, and of that of the light
   Trend trend_;                   ///< that was taken from the latter
   DefectSums defects_;
+  bool hot_changes_ = false;
   SlowNoise slow_;
   double working_ = 1.0;     ///< share of the pixels that are not dead
   double own_charge_ = 1.0;  ///< share of its charge that crosstalk leaves a pixel
@@ -227,6 +228,9 @@ void Analysis::find_planes() {
                          bright != nullptr ? bright->sums.mean - dark->sums.mean : 0.0);
   own_charge_ = 1.0 - 4.0 * (side + corner);
   defects_.mean /= own_charge_;
+  // What hot pixels add grows with the exposure, or does not: of several exposures it is left where it is.
+  hot_changes_ = options_.counts_time && exposures_differ(result_.stacks);
+  if (hot_changes_) defects_.mean = defects_.variance = defects_.scatter = 0.0;
   working_ = 1.0 - static_cast<double>(defects_.dead) / (dark_.rows * dark_.columns);
 }
 
@@ -475,7 +479,10 @@ void Analysis::add_patterns() {
     add_rms("fixed_column", "e-", fixed.column, gain_, dark->name, fixed.column_sd_array);
     warn_of_shape("dsnu", plane, result_.warnings);
     result_.defects = plane.defects;
-    add_hot_pixels(defects_, dark_, {gain_.value * own_charge_, gain_.sd * own_charge_}, dark->name, result_);
+    if (hot_changes_)
+      not_determined("hot_fraction", "", std::string(kHotChanges));
+    else
+      add_hot_pixels(defects_, dark_, {gain_.value * own_charge_, gain_.sd * own_charge_}, dark->name, result_);
     if (bright != nullptr) add_dead_pixels(defects_, dark_.rows * dark_.columns, dark->name, result_);
   } else if (bright != nullptr) {
     not_determined("dead_fraction", "", hidden_why());

@@ -76,6 +76,11 @@ DefectSums defect_sums(const NoiseScales& noise, const PlaneSquares& dark, const
   return sums;
 }
 
+bool exposures_differ(const std::vector<Stack>& stacks) {
+  const auto [least, most] = std::ranges::minmax_element(stacks, {}, [](const Stack& stack) { return stack.time_s; });
+  return !stacks.empty() && most->time_s > 1.01 * least->time_s;
+}
+
 void take_back_leaks(mtf::Image& plane, const std::vector<Defect>& defects, double side, double corner) {
   const double kept = 1.0 - 4.0 * (side + corner);
   for (const Defect& d : defects)

@@ -29,6 +29,13 @@ struct DefectSums {
 /// may be null.
 DefectSums defect_sums(const NoiseScales& noise, const PlaneSquares& dark, const PlaneSquares* response, double signal);
 
+/// Whether stacks have exposure times that differ by a hundredth and more.
+bool exposures_differ(const std::vector<Stack>& stacks);
+inline constexpr std::string_view kHotChanges =
+    "the stacks have several exposure times, with which hot pixels change; they are in the offset and the noise, and "
+    "in "
+    "the list of defects";
+
 /// Takes what crosstalk gave of the signal of defects from their neighbours.
 void take_back_leaks(mtf::Image& plane, const std::vector<Defect>& defects, double side, double corner);
 

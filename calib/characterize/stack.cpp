@@ -166,8 +166,12 @@ void require_sound(const std::vector<Stack>& stacks, double light_repeatability)
         "the light drifts within the stacks: von Neumann's ratio of the frames' means is " +
         significant(ratio / counted, 3) +
         ", 2 for a steady one; let lamp or blackbody, and camera, warm up, or take the exposures in turn");
+  // The signal is that above a dark, or the span of the blackbodies; without a dark it is not known.
+  const bool thermal = stacks.back().light_per_k > 0.0;
+  if (!thermal && stacks.front().light > 0.0) return;
   for (const Stack& stack : stacks) {
-    const double signal = stack.sums.mean - stacks.front().sums.mean, T = static_cast<double>(stack.sums.frames);
+    const double signal = (thermal ? stacks.back() : stack).sums.mean - stacks.front().sums.mean,
+                 T = static_cast<double>(stack.sums.frames);
     const FrameDrift& drift = stack.sums.drift;
     const double share = drift.value / signal, most = std::max(1e-3, 3.0 * light_repeatability);
     if (!(stack.light > 0.0 && stack.is_usable() && signal > 0.0 && std::abs(share) * (T - 1.0) > most)) continue;

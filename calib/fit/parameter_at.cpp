@@ -53,6 +53,12 @@ ParameterSite<S> in_optics(System<S>& system, std::string_view name) {
 
 template <class S>
 ParameterSite<S> in_axis(System<S>& system, std::string_view name) {
+  for (const mtf::FieldNumber<S>& number : system.field.numbers)
+    if (number.map && number.map->unit == mtf::FieldUnit::pixel && !number.map->radial)
+      throw mtf::UsageError(
+          "optical_axis: the positions of " + number.map->source +
+          " count from the corner of the detector, so that the axis is not found by them; give them in "
+          "mm, or one place of the axis");
   if (name == "x") return {{&system.field.axis_x_px}, kAxisPlace};
   if (name == "y") return {{&system.field.axis_y_px}, kAxisPlace};
   return {};

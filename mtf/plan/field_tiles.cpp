@@ -44,7 +44,8 @@ struct FineScene {
 std::vector<FineScene> fine_scenes(const FieldTilesTask& task) {
   const SampleGrid &in = task.in, &out = task.out;
   const auto x = pitch_ratio(out.step_x_um, in.step_x_um), y = pitch_ratio(out.step_y_um, in.step_y_um);
-  if (!x || !y) return {};
+  const auto smooth = [](const PitchRatio& r) { return is_smooth(r.samples) && is_smooth(r.pixels); };
+  if (!x || !y || !smooth(*x) || !smooth(*y)) return {};
   std::vector<FineScene> list{{in, *x, *y, {}}};
   if (task.options.border != Border::reflect && task.options.border != Border::periodic) return list;
   const auto whole = std::find_if(kFiner.begin(), kFiner.end(), [&](const PitchRatio& finer) {

@@ -130,7 +130,7 @@ def files_by_edits(server, folder):
     os.utime(trap, ns=(1, trap.stat().st_mtime_ns))
     for name in ("detector.quantum_efficiency", "optics.transmission", "path.transmission", "path.table", "scene.encoding",
                  "scene.aperture_file", "nonuniformity.responsivity", "nonuniformity.offset", "scene.emissivity"):
-        for value in (str(trap), "../" + str(trap), f'"{trap}"'):
+        for value in (str(trap), "../" + str(trap), f'"{trap}"', f'{{ 1 = 0.3, "t\\u0061ble" = "{trap}" }}'):
             status, data, _ = server.ask("POST", "/model", json.dumps({"edits": [["set", name, value]]}))
             expect(f"{name} = {value}", status, 422)
             expect("what is in it is not told", b"wavelength_um" in data, False)

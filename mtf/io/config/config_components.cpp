@@ -332,6 +332,11 @@ std::optional<Scalar> read_over_field(Reader& reader, const Node& node, const Fi
       continue;
     }
     const bool fit = member.value.kind == Node::Kind::table;
+    if (fit && !term && node.find(kTableKey) != nullptr) {  // the parameter would be the sum of both
+      section.error(member.key, "cannot be fitted beside a table; fit another term, or write a number");
+      good = false;
+      continue;
+    }
     auto scalar = (fit ? read_fit : read_plain)(reader, member.value, info, section.at(member.key));
     terms.fit = terms.fit || fit;
     if (scalar && first && scalar->unit != first->unit) {

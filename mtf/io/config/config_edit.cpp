@@ -123,7 +123,7 @@ std::string new_text(std::string_view text, const Node& root, const Target& targ
     }
     if (const auto pair = pair_of_axis(target.key); number == nullptr && pair) number = table->find(*pair);
     std::string on_axis;
-    if (number != nullptr) {
+    if (number != nullptr && target.term != "1") {
       const std::size_t begin = offset_of(text, number->position);
       on_axis = "1 = " + std::string(text.substr(begin, end_of_value(text, begin) - begin)) + ", ";
     }

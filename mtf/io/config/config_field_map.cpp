@@ -173,7 +173,9 @@ std::optional<Node> with_columns(const Section& section, std::span<const FieldRe
     Node& number = number_node(component, key, file->position);
     if (number.is_number() && number.number == 0.0)
       number = {.kind = Node::Kind::table, .position = file->position, .text = {}, .items = {}, .members = {}};
-    if (number.kind == Node::Kind::table)
+    if (number.kind == Node::Kind::table && number.find(kTableKey) != nullptr)
+      section.error(key.member, "is a column of " + map->source + ", too; remove its own table or one of the columns");
+    else if (number.kind == Node::Kind::table)
       number.members.push_back({std::string(kTableKey), file->position, *file});
     else
       section.error(key.member, "is a column of " + map->source + ", too; to add to that write { 1 = " + shown(number) +
@@ -202,6 +204,9 @@ std::optional<Node> with_samples(const Section& section, std::span<const FieldRe
   std::int64_t width = 0, height = 0;
   try {
     FieldFiles files = read_field_files_csv(reader.file(list->text));
+    if (files.file.size() > kMostFieldPositions)
+      throw UsageError(files.positions.source + ": " + std::to_string(files.file.size()) + " positions, at most " +
+                       std::to_string(kMostFieldPositions));
     for (const std::string& name : files.file) {
       const Image samples = read_samples(reader.file(name));
       if (width == 0) width = samples.width(), height = samples.height();
@@ -237,19 +242,19 @@ std::optional<Node> with_samples(const Section& section, std::span<const FieldRe
   return component;
 }
 
-void note_maps(Reader& reader, const System<double>& system, std::size_t entry, Position position,
-               const std::string& path) {
+namespace {
+
+void note_map(Reader& reader, const System<double>& system, std::size_t entry, const FieldMap* map, Position position,
+              const std::string& path) {
   struct Missed {
     double share = 0.0;
     std::string text;
   };
   std::vector<Missed> missed;
-  const FieldMap* map = nullptr;
   double otf = 0.0;  // of samples: no more than the sum of what each is missed by
   const auto fields = system.list(Stage::presample).at(entry).component.fields();
   for (const FieldNumber<double>& number : system.field.numbers) {
-    if (number.entry != entry || !number.map) continue;
-    map = number.map.get();
+    if (number.entry != entry || number.map.get() != map) continue;
     const FieldMap::Column& column = map->column[number.column];
     if (!column.missed)
       return reader.note(position, path,
@@ -275,6 +280,17 @@ void note_maps(Reader& reader, const System<double>& system, std::size_t entry, 
                   (missed.size() > shown ? ", the others by smaller shares" : "") +
                   (doubtful ? "; give positions that are closer together" : ""),
               !doubtful);
+}
+
+}  // namespace
+
+void note_maps(Reader& reader, const System<double>& system, std::size_t entry, Position position,
+               const std::string& path) {
+  std::vector<const FieldMap*> maps;
+  for (const FieldNumber<double>& number : system.field.numbers)
+    if (number.entry == entry && number.map && std::ranges::find(maps, number.map.get()) == maps.end())
+      maps.push_back(number.map.get());
+  for (const FieldMap* map : maps) note_map(reader, system, entry, map, position, path);
 }
 
 }  // namespace mtf::io::cfg

@@ -47,6 +47,10 @@ PsfListing read_psf_listing(const DesignText& text, const DesignReading& reading
   const bool huygens = text.has("Huygens PSF");
   const std::size_t spacing_at = line_of(text, "Data spacing is"), size_at = line_of(text, "Image grid size");
   const auto [columns, rows] = pair_in(text, size_at, 16384.0);
+  std::size_t bytes = 0;
+  for (const std::string& line : text.lines) bytes += line.size() + 1;
+  if (static_cast<std::size_t>(rows * columns) > bytes / 2 + 1)
+    throw UsageError(text.where(size_at) + "the listing is too short for that grid; save the whole text");
   const std::size_t centre_at = line_of(text, "Center point is");
   auto [row, column] = pair_in(text, centre_at, static_cast<double>(std::max(rows, columns)));
   if (huygens) std::swap(row, column), row = rows + 1 - row;

@@ -188,10 +188,13 @@ ZernikeListing read_zernike_table(const DesignText& text, const DesignReading& r
       if (terms.back() == 0) {
         terms.pop_back();
         append_word(left_out, cells[i], ',');
+      } else if (std::ranges::count(terms, terms.back()) > 1) {
+        throw UsageError(where + "two columns are Z" + std::to_string(terms.back()) + "; leave one");
       } else {
         chosen.push_back(i);
       }
     }
+    if (terms.empty()) throw UsageError(where + "no column of a term; " + kHeader);
     if (!known[0] || to_um == 0.0)
       throw UsageError(where + "waves are of one wavelength; its column or its unit is missing: wavelength (um)");
     if (known[1].has_value() != known[2].has_value() || (known[1] && place_unit.empty()))

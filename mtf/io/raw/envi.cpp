@@ -52,7 +52,7 @@ std::string without_ending(const std::string& path) { return fs::path(path).repl
 std::string envi_numbers_of(const std::string& header) {
   const std::string name = without_ending(header);
   std::vector<std::string> found;
-  if (is_ordinary(name)) return name;
+  if (is_ordinary(name)) found.push_back(name);
   for (const std::string_view ending : {".img", ".dat", ".raw", ".bin", ".bsq", ".bil", ".bip"})
     for (const std::string& file : {name + std::string(ending), name + capitals(ending)})
       if (is_ordinary(file)) found.push_back(file);

@@ -184,6 +184,7 @@ TEST(ReplaceValue, TermsOfANumberThatChangesOverTheField) {
   EXPECT_EQ(after(lens + "{ 1 = 0.05, r2 = 0.1 } # here\n", "rms_wavefront.rms.r2", "0.2"),
             lens + "{ 1 = 0.05, r2 = 0.2 } # here\n");
   EXPECT_EQ(after(lens + "{ r2 = 0.1 }\n", "presample[1].rms.1", "0.05"), lens + "{ r2 = 0.1, 1 = 0.05 }\n");
+  EXPECT_EQ(after(lens + "0.05\n", "rms_wavefront.rms.1", "0.07"), lens + "{ 1 = 0.07 }\n");
   // A number that gets a term is that of the optical axis.
   EXPECT_EQ(after(lens + "0.05\n", "rms_wavefront.rms.x", "0.01"), lens + "{ 1 = 0.05, x = 0.01 }\n");
   const std::string jitter = "[[presample]]\nkind = \"jitter\"\n";
