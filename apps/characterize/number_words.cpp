@@ -52,7 +52,7 @@ constexpr std::array kNumbers{
     NumberWords{"hot_fraction", "Part of the pixels that have more dark signal than the pattern of the others makes."},
     NumberWords{"hot_excess", "Mean of the signal that hot pixels have more, of an exponential distribution."},
     NumberWords{"dead_fraction", "Part of the pixels whose response is below half of that of the others."},
-    NumberWords{"flicker_octave", "1/f noise of a pixel from frame to frame: rms in each octave of frequency."},
+    NumberWords{"flicker_octave", "Noise of a pixel that is 1/f from frame to frame: rms in each octave of frequency."},
     NumberWords{"flicker_corner", "Frequency, in cycles per frame, at which 1/f noise has the power of white noise."},
     NumberWords{"sitf", "Signal transfer function: counts for a kelvin of a blackbody at the reference temperature."},
     NumberWords{"netd", "Noise equivalent temperature difference: temporal noise of pixels (tvh) over SiTF."},

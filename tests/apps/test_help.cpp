@@ -127,7 +127,7 @@ class Completion : public testing::Test {
 
 TEST_F(Completion, OffersCommandsAndOptions) {
   EXPECT_EQ(offered("mtf cu"), "curve|");
-  EXPECT_EQ(offered("mtf config ''"), "init|check|explain|kinds|schema|");
+  EXPECT_EQ(offered("mtf config ''"), "init|check|explain|kinds|schema|import|");
   EXPECT_EQ(offered("mtf --quiet --threads 2 sim"), "simulate|");
   EXPECT_EQ(offered("mtf curve --un"), "--unit|");
   EXPECT_EQ(offered("mtf curve sensor.toml --th"), "--threads|");

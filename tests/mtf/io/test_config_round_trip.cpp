@@ -359,8 +359,11 @@ TEST(ConfigRoundTrip, RandomDoubles) {
         const FieldInfo& info = *field.info;
         if (info.name == "fill_factor" || info.name == "wavelength_reference") continue;
         if (auto* const* v = std::get_if<std::optional<double>*>(&field.value); v && !is_scan(info))
-          **v = info.lo == -10.0 ? draw(-1.0, 1.0) : draw(info.lo, info.hi);  // waves: their sum is limited
-        const bool one_size = kind == "tdi" || kind == "sample_and_hold";     // along one direction
+          **v = info.lo == -10.0                  ? draw(-1.0, 1.0)       // waves: their sum is limited
+                : info.name == "vignetting_rim"   ? 1.0 + draw(0.0, 1.0)  // that leaves some of the pupil
+                : info.name == "vignetting_shift" ? draw(0.0, 0.5)
+                                                  : draw(info.lo, info.hi);
+        const bool one_size = kind == "tdi" || kind == "sample_and_hold";  // along one direction
         if (auto* const* v = std::get_if<AxisPair<double>*>(&field.value))
           **v = {{draw(info.lo, info.hi), unit(extents)}, {draw(info.lo, info.hi), unit(extents)}, !one_size};
         if (auto* const* v = std::get_if<SpatialFrequency<double>*>(&field.value))
