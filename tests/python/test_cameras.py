@@ -41,7 +41,8 @@ def test_the_numbers_are_near_the_truth(camera):
     assert np.isnan(camera["transmission"].value) and camera["transmission"].why
     assert "electrons_per_count" in repr(camera) and "chi-square" in camera.explain()
     sensor = camera.sensor
-    assert sensor["adc.electrons_per_count"] == f'{camera["electrons_per_count"].value!r} e-'
+    found = camera["electrons_per_count"]  # the file has two digits beyond the error
+    assert abs(float(sensor["adc.electrons_per_count"].removesuffix(" e-")) - found.value) <= 0.005 * found.sd
     with pytest.raises(KeyError):
         camera["gain"]
 
