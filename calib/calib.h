@@ -13,6 +13,3 @@
 // Fits.
 #include "calib/fit/fit.h"
 #include "calib/series/series_fit.h"
-
-// Cameras from stacks of flat frames.
-#include "calib/characterize/characterize.h"

@@ -16,6 +16,7 @@
 #include "radiometry/chain/chain.h"
 #include "radiometry/chain/sensor_budget.h"
 #include "radiometry/chain/sensor_settings.h"
+#include "radiometry/output_stage.h"
 #include "radiometry/stages/detector/adc.h"
 #include "radiometry/stages/noise/fixed_pattern.h"
 #include "radiometry/stages/noise/noise_3d.h"
