@@ -22,7 +22,9 @@ PatternPlane scaled_plane(std::string name, std::string unit, const Stack& a, co
   for (const Stack* const stack : {&a, b}) {
     if (stack == nullptr) continue;
     const radiometry::MeanSquares& squares = stack->sums.squares;
-    p.temporal2 += scale * scale * (squares.value[radiometry::kTvh] / squares.frames + calib::rounding_of(*stack));
+    p.temporal2 +=
+        scale * scale *
+        (squares.value[radiometry::kTvh] / squares.frames + calib::rounding_of(*stack) + stack->sums.lasting);
   }
   p.squares = calib::plane_squares(p.plane.view(), calib::remove_trend(p.plane.view(), trend).degree);
   return p;

@@ -224,6 +224,7 @@ void Analysis::find_planes() {
   }
   if (is_hidden_by_rounding(*dark)) return;
   if (!c.found) slow_ = slow_noise_of(*dark);
+  for (Stack& stack : result_.stacks) stack.sums.lasting = slow_.of_mean(stack.sums.squares.frames);
   defects_ = defect_sums(dark->sums.noise, dark_, bright != nullptr ? &response_ : nullptr,
                          bright != nullptr ? bright->sums.mean - dark->sums.mean : 0.0);
   own_charge_ = 1.0 - 4.0 * (side + corner);
@@ -255,7 +256,7 @@ void Analysis::make_levels() {
     const double pattern = rounding_of(stack);
     TransferLevel level{.light = stack.light, .time_s = stack.time_s, .mean = s.mean - taken_};
     level.mean_variance = (lines ? std::max(v, s.squares.value[kTv] + s.squares.value[kTh] - v) : v) / n +
-                          (pattern + slow_.of_mean(T)) * T / n + (frames ? dark_frames.variance / T : 0.0);
+                          (pattern + s.lasting) * T / n + (frames ? dark_frames.variance / T : 0.0);
     level.variance = v - defects_.variance - slow_.within(T);
     level.shared = shared_variance(s.squares);
     level.dof = s.squares.dof(kTvh) * slow_.freedom(v, T) * square(level.variance / (level.variance + slow_.within(T)));
@@ -468,7 +469,7 @@ void Analysis::add_patterns() {
   // The planes are without defects, whose noise is in the mean squares.
   const auto averaged = [&](const Stack& stack) {
     const double T = stack.sums.squares.frames;
-    return AveragedStack{stack.sums.squares, rounding_of(stack) + slow_.of_mean(T) - defects_.variance / T,
+    return AveragedStack{stack.sums.squares, rounding_of(stack) + stack.sums.lasting - defects_.variance / T,
                          slow_.of_mean_sd(T)};
   };
   const AveragedStack dark_stack = averaged(*dark);

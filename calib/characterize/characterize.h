@@ -44,6 +44,7 @@ struct StackSummary {
   std::map<int, std::int64_t> by_variance{};  ///< pixels, by ln(variance / mean of all) in units of variance_bin()
   TimeSpectra in_time{};
   std::uint32_t step = 1;
+  double lasting = 0.0;  ///< what 1/f noise adds to the variance of a pixel's mean over the frames, counts^2
   mtf::Image pattern{};  ///< pixel means less the mean of all; may be empty
   NoiseScales noise{};   ///< empty where that is
 };
