@@ -264,8 +264,8 @@ void note_map(Reader& reader, const System<double>& system, std::size_t entry, c
     const auto [low, high] = std::ranges::minmax(column.value);
     const std::string_view unit = column.unit != nullptr ? column.unit->name : "";
     if (high > low && otf == 0.0)
-      missed.push_back({rms / (high - low), column.name + " by " + with_unit(significant(rms, 2), unit) + " rms, " +
-                                                with_unit(significant(most, 2), unit) + " at most"});
+      missed.push_back({rms / (high - low), column.name + " by " + mtf::with_unit(significant(rms, 2), unit) +
+                                                " rms, " + mtf::with_unit(significant(most, 2), unit) + " at most"});
   }
   if (otf > 0.0) missed = {{otf, "the OTF by no more than " + significant(otf, 2) + " rms"}};
   if (missed.empty()) return;
