@@ -188,7 +188,7 @@ CameraFile thermal_camera_file(calib::Characterization& camera, const StacksFile
 std::vector<Figure> predicted_figures(const calib::Characterization& camera, const std::string& twin,
                                       const std::string& destination) {
   const Finding* const mrtd = camera.find("mrtd");
-  if (mrtd == nullptr || mrtd->verdict != Verdict::predicted) return {};
+  if (mrtd == nullptr || mrtd->verdict != calib::Verdict::predicted) return {};
   const mtf::io::ConfigResult read = mtf::io::parse_config(twin, destination, sensor_schema());
   return minimum_temperature_figures(without_path(read.config), camera.reference_k);
 }
