@@ -31,20 +31,6 @@ bool is_over_field(const std::optional<Method>& method) {
   return method == Method::field_modes || method == Method::field_tiles;
 }
 
-/// Takes the way that is cheaper, or asked for, and says in the other why not.
-Candidate* chosen_of(Candidate& modes, Candidate& tiles, const std::optional<Method>& method) {
-  Candidate* best = nullptr;
-  for (Candidate* way : {&modes, &tiles})
-    if (way->possible && (!is_over_field(method) || *method == way->method) &&
-        (best == nullptr || way->cost_ms < best->cost_ms))
-      best = way;
-  for (Candidate* way : {&modes, &tiles})
-    if (best != nullptr && way != best && way->possible)
-      way->reason =
-          is_over_field(method) ? "another was asked for" : fixed(way->cost_ms / best->cost_ms, 1) + " x the cost";
-  return best;
-}
-
 }  // namespace
 
 Plan compile_over_field(const System<double>& given, const SampleGrid& in, const SampleGrid& out,
@@ -158,7 +144,9 @@ Plan compile_over_field(const System<double>& given, const SampleGrid& in, const
     if (!choice.candidate.possible && choice.candidate.reason.empty())
       choice.candidate.reason = "does not keep the tolerance";
   }
-  Candidate* best = chosen_of(modes, choice.candidate, options.method);
+  Candidate* best = try_tiles ? &choice.candidate : &modes;
+  if (!best->possible) best = nullptr;
+  if (best == &choice.candidate && modes.possible) modes.reason = "another was asked for";
   if (best == nullptr && follows) throw UsageError("method field_tiles: " + choice.candidate.reason);
   if (best == nullptr) {
     // Modes of a tenth of the tolerance are left out on top of what the places miss.
