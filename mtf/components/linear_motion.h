@@ -17,6 +17,16 @@
 
 namespace mtf {
 
+/// Of uniform motion by d, and how far from 1 it may be at +-fx, +-fy.
+template <class S>
+Complex<S> uniform_motion_otf(const Freq<S>& d, const Freq<S>& f) {
+  return {sinc_of(S(d.x * f.x + d.y * f.y)), S(0)};
+}
+template <class S>
+double uniform_motion_deviation(const Freq<S>& d, double fx, double fy) {
+  return sinc_deviation(std::abs(value_of(d.x)) * fx + std::abs(value_of(d.y)) * fy);
+}
+
 template <class S>
 struct LinearMotion {
   static constexpr std::string_view kind = "linear_motion";
@@ -52,13 +62,9 @@ struct LinearMotion {
     const Freq<S> d = displacement_mm(ctx);
     return motion_traits(value_of(d.y) == 0.0, value_of(d.x) == 0.0, true);
   }
-  Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
-    const Freq<S> d = displacement_mm(ctx);
-    return {sinc_of(S(d.x * f.x + d.y * f.y)), S(0)};
-  }
+  Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const { return uniform_motion_otf(displacement_mm(ctx), f); }
   double deviation(double fx, double fy, const Context<S>& ctx) const {
-    const Freq<S> d = displacement_mm(ctx);
-    return sinc_deviation(std::abs(value_of(d.x)) * fx + std::abs(value_of(d.y)) * fy);
+    return uniform_motion_deviation(displacement_mm(ctx), fx, fy);
   }
   std::vector<Problem> check(const Context<S>& ctx) const {
     if (travel.given() + velocity_um_s.has_value() + rate_urad_s.has_value() != 1)
@@ -102,13 +108,9 @@ struct Flow {
     traits.placed = value_of(zoom.value_or(S(0))) != 0.0 || value_of(rotation_urad.value_or(S(0))) != 0.0;
     return traits;
   }
-  Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
-    const Freq<S> d = displacement_mm(ctx);
-    return {sinc_of(S(d.x * f.x + d.y * f.y)), S(0)};
-  }
+  Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const { return uniform_motion_otf(displacement_mm(ctx), f); }
   double deviation(double fx, double fy, const Context<S>& ctx) const {
-    const Freq<S> d = displacement_mm(ctx);
-    return sinc_deviation(std::abs(value_of(d.x)) * fx + std::abs(value_of(d.y)) * fy);
+    return uniform_motion_deviation(displacement_mm(ctx), fx, fy);
   }
   std::vector<Problem> check(const Context<S>&) const {
     if (zoom || rotation_urad || shift.given()) return {};
