@@ -23,6 +23,8 @@ double far_excess() {
   return std::exp(-0.5 * kFar_sd * kFar_sd) / std::sqrt(2.0 * std::numbers::pi) / far_share() - kFar_sd;
 }
 
+}  // namespace
+
 Finding share_finding(const char* name, double count, double pixels, const std::string& from) {
   const auto [low, high] = poisson_limits(count);
   return {.name = name,
@@ -34,8 +36,6 @@ Finding share_finding(const char* name, double count, double pixels, const std::
           .high95 = high / pixels,
           .from = from};
 }
-
-}  // namespace
 
 DefectSums defect_sums(const NoiseScales& noise, const PlaneSquares& dark, const PlaneSquares* response,
                        double signal) {

@@ -29,6 +29,9 @@ struct DefectSums {
 /// may be null.
 DefectSums defect_sums(const NoiseScales& noise, const PlaneSquares& dark, const PlaneSquares* response, double signal);
 
+/// The share of so many of the pixels, with Poisson limits.
+Finding share_finding(const char* name, double count, double pixels, const std::string& from);
+
 /// Whether stacks have exposure times that differ by a hundredth and more.
 bool exposures_differ(const std::vector<Stack>& stacks);
 inline constexpr std::string_view kHotChanges =

@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "calib/characterize/characterize.h"
+#include "calib/characterize/defect_pixels.h"
 #include "calib/fit/fit_report.h"
 #include "mtf/words.h"
 
@@ -102,15 +103,8 @@ void add_noise_in_time(const std::vector<Stack>& stacks, std::vector<Finding>& f
   const bool is_dark = least->light == 0.0 || least->light_per_k > 0.0;
   if (!is_dark || least->sums.looked_at == 0 || rounding_of(*least) > 1e-4) return;
   const auto count = static_cast<double>(least->sums.noisy), of = static_cast<double>(least->sums.looked_at);
-  const auto [low, high] = poisson_limits(count);
-  findings.push_back({.name = "noisy_pixels",
-                      .unit = "",
-                      .verdict = count > 0.0 ? Verdict::determined : Verdict::upper_limit,
-                      .value = count / of,
-                      .sd = std::sqrt(count) / of,
-                      .low95 = low / of,
-                      .high95 = high / of,
-                      .from = least->name + ", temporal variance above that of the others"});
+  findings.push_back(
+      share_finding("noisy_pixels", count, of, least->name + ", temporal variance above that of the others"));
   if (poisson_tail(count, kNoisy_p * of) < 1e-3)
     warnings.push_back(least->name +
                        ": pixels that are noisier than the noise of the others makes any, as those that blink: " +

@@ -7,7 +7,7 @@
 //   for each frame     squares of the sums of rows, of columns and of all, added to the totals at once
 //   at six lags        sums of the products of pixels that far apart
 //   in time            the squares of the differences of a pixel in successive frames, of the same rows; the values of
-//                      some pixels (time_spectrum.h)
+//                      some pixels (spectra.h)
 // All values are taken about a whole number near their mean, and the sums of counts (whole numbers) are exact. From
 // them follow the seven mean squares of three-dimensional noise, and the temporal covariance of neighbours: as
 //   sum over t of (x_p - mean_p) (x_q - mean_q) = sum over t of x_p x_q - S_p S_q / T
