@@ -5,8 +5,6 @@
 // reader of sensor files before it is written, so that its errors and warnings are those that a sensor with it will
 // have.
 
-#include <sys/stat.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -273,15 +271,6 @@ const DesignKind& kind_of(const DesignText& text, const std::string& wanted) {
 }
 
 }  // namespace
-
-bool emit_for_editing(const std::string& file, const std::string& text, bool force) {
-  const bool to_stdout = file.empty() || file == "-";
-  struct stat status {};
-  if (!to_stdout && !force && ::stat(file.c_str(), &status) == 0 && S_ISREG(status.st_mode))
-    throw mtf::UsageError(file + ": exists already; --force replaces it, -o NAME writes another file");
-  emit(file, text);
-  return !to_stdout;
-}
 
 int run_config_import(const ImportOptions& options, const Global& global) {
   std::vector<DesignText> texts;

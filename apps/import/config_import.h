@@ -21,8 +21,4 @@ struct ImportOptions {
 
 int run_config_import(const ImportOptions& options, const Global& global);
 
-/// Writes what will be edited by hand: an existing file is kept unless `force`, for losing one is worse than losing an
-/// output. True where it went to a file.
-bool emit_for_editing(const std::string& file, const std::string& text, bool force);
-
 }  // namespace apps

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/terminal/output.h"
 
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
@@ -24,6 +26,15 @@ void emit(const std::string& path, std::string_view text) {
     print(text);
   else
     mtf::io::write_text_file(path, text);
+}
+
+bool emit_for_editing(const std::string& file, const std::string& text, bool force) {
+  const bool to_stdout = file.empty() || file == "-";
+  struct stat status {};
+  if (!to_stdout && !force && ::stat(file.c_str(), &status) == 0 && S_ISREG(status.st_mode))
+    throw mtf::UsageError(file + ": exists already; --force replaces it, -o NAME writes another file");
+  emit(file, text);
+  return !to_stdout;
 }
 
 void note(const Global& global, std::string_view text) {

@@ -18,6 +18,10 @@ void print(std::string_view text);
 /// Writes a result to the file `path`, whole or not at all; "" and "-" stand for standard output. Throws RuntimeError.
 void emit(const std::string& path, std::string_view text);
 
+/// Writes what will be edited by hand as emit() does: an existing file is kept unless `force`, for losing one is worse
+/// than losing an output. True where it went to a file.
+bool emit_for_editing(const std::string& file, const std::string& text, bool force);
+
 /// A line on standard error, unless --quiet.
 void note(const Global& global, std::string_view text);
 
