@@ -104,8 +104,10 @@ SharedNumber share_noise(const std::function<double(double)>& variance, LoadedDa
   return noise;
 }
 
-/// Measures the edges of a picture in x, without the defects; returns how many pixels these are.
-std::int64_t add_picture(EdgePicture& picture, const FoundCamera& found, double step, int threads, LoadedData& loaded) {
+/// Measures the edges of a picture in x, without the defects, which are those of the planes; returns how many pixels
+/// these are.
+std::int64_t add_picture(EdgePicture& picture, const FoundCamera& found, std::span<const PatternPlane> planes,
+                         double step, int threads, LoadedData& loaded) {
   const Characterization& camera = found.camera;
   require_frame(picture.name, picture.image);
   picture.image.names.resize(1);
@@ -132,7 +134,7 @@ std::int64_t add_picture(EdgePicture& picture, const FoundCamera& found, double 
   const radiometry::MeanSquares& size = camera.stacks.front().sums.squares;
   if (static_cast<double>(plane.width()) == size.columns && static_cast<double>(plane.height()) == size.rows) {
     leave_out(camera.defects);
-    for (const PatternPlane& pattern : pattern_planes(camera)) leave_out(pattern.squares.defects);
+    for (const PatternPlane& pattern : planes) leave_out(pattern.squares.defects);
   } else {
     loaded.warnings.push_back(one_line(picture.name) + ": of another size than the flat frames, so defects stay in it");
   }
@@ -219,7 +221,8 @@ CameraEdges fit_camera_edges(const FoundCamera& found, const StacksFile& stacks,
   LoadedData loaded;
   loaded.data.conditions.push_back(sensor.system);
   std::int64_t left_out = 0;
-  for (EdgePicture& picture : pictures) left_out += add_picture(picture, found, stacks.step, threads, loaded);
+  const std::vector<PatternPlane> planes = pattern_planes(camera);
+  for (EdgePicture& picture : pictures) left_out += add_picture(picture, found, planes, stacks.step, threads, loaded);
   std::vector<SharedNumber> shared{share_noise(variance_of(camera), loaded)};
   if (const Finding* const gain = camera.find("electrons_per_count"))
     shared.push_back({"gain", "e- a count", Estimate{gain->value, gain->sd}, {}, "by it noise rises with the light"});
