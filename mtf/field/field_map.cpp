@@ -70,6 +70,8 @@ std::vector<FieldPoint<double>> hull_of(std::vector<FieldPoint<double>> points) 
   return hull;
 }
 
+}  // namespace
+
 void require_positions(const FieldMap& map) {
   const auto fail = [&](const std::string& why) { return UsageError(map.source + ": " + why); };
   const std::size_t n = map.position.size(), least = map.radial ? 2 : 3;
@@ -92,8 +94,6 @@ void require_positions(const FieldMap& map) {
   if (map.radial && key(order.front()).first > kBeyond * key(order.back()).first)
     throw fail("begins at r = " + format_double(key(order.front()).first) + "; add a row for the optical axis, r = 0");
 }
-
-}  // namespace
 
 bool FieldMap::covers(const FieldPoint<double>& place) const {
   const FieldPoint<double> u = scaled_place(*this, place);

@@ -18,4 +18,8 @@ inline constexpr std::size_t kMostFieldPositions = 2000;
 /// positions, two that are alike, all on one line, and distances that are negative or do not begin at the axis.
 std::shared_ptr<const FieldMap> make_field_map(FieldMap given);
 
+/// Throws UsageError where positions are too few or too many, two alike, or distances do not begin on the axis; as
+/// make_field_map() does.
+void require_positions(const FieldMap& map);
+
 }  // namespace mtf

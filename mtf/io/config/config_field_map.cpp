@@ -114,6 +114,44 @@ Image read_samples(const std::string& path) {
   return samples;
 }
 
+void note_map(Reader& reader, const System<double>& system, std::size_t entry, const FieldMap* map, Position position,
+              const std::string& path) {
+  struct Missed {
+    double share = 0.0;
+    std::string text;
+  };
+  std::vector<Missed> missed;
+  double otf = 0.0;  // of samples: no more than the sum of what each is missed by
+  const auto fields = system.list(Stage::presample).at(entry).component.fields();
+  for (const FieldNumber<double>& number : system.field.numbers) {
+    if (number.entry != entry || number.map.get() != map) continue;
+    const FieldMap::Column& column = map->column[number.column];
+    if (!column.missed)
+      return reader.note(position, path,
+                         map->source + " has so few positions that nothing tells what lies between them", false);
+    const auto [rms, most] = *column.missed;
+    if (fields[number.field].info->type == FieldType::rows) otf += rms;
+    const auto [low, high] = std::ranges::minmax(column.value);
+    const std::string_view unit = column.unit != nullptr ? column.unit->name : "";
+    if (high > low && otf == 0.0)
+      missed.push_back({rms / (high - low), column.name + " by " + mtf::with_unit(significant(rms, 2), unit) +
+                                                " rms, " + mtf::with_unit(significant(most, 2), unit) + " at most"});
+  }
+  if (otf > 0.0) missed = {{otf, "the OTF by no more than " + significant(otf, 2) + " rms"}};
+  if (missed.empty()) return;
+  std::ranges::stable_sort(missed, std::ranges::greater{}, &Missed::share);
+  const bool doubtful = missed.front().share > kDoubtful;
+  const std::size_t shown = std::min(missed.size(), kMostNoted);
+  reader.note(position, path,
+              "numbers between the " + std::to_string(map->position.size()) + " positions of " + map->source +
+                  " are interpolated; where a position is left out, that misses " +
+                  joined(
+                      std::span(missed).first(shown), [](const Missed& number) { return number.text; }, "; ") +
+                  (missed.size() > shown ? ", the others by smaller shares" : "") +
+                  (doubtful ? "; give positions that are closer together" : ""),
+              !doubtful);
+}
+
 }  // namespace
 
 std::optional<Scalar> read_column(Reader& reader, const Node& file, const FieldInfo& info, FieldTerms& terms) {
@@ -204,9 +242,7 @@ std::optional<Node> with_samples(const Section& section, std::span<const FieldRe
   std::int64_t width = 0, height = 0;
   try {
     FieldFiles files = read_field_files_csv(reader.file(list->text));
-    if (files.file.size() > kMostFieldPositions)
-      throw UsageError(files.positions.source + ": " + std::to_string(files.file.size()) + " positions, at most " +
-                       std::to_string(kMostFieldPositions));
+    require_positions(files.positions);  // before that many files are read
     for (const std::string& name : files.file) {
       const Image samples = read_samples(reader.file(name));
       if (width == 0) width = samples.width(), height = samples.height();
@@ -241,48 +277,6 @@ std::optional<Node> with_samples(const Section& section, std::span<const FieldRe
   component.members.push_back({key, list->position, std::move(all)});
   return component;
 }
-
-namespace {
-
-void note_map(Reader& reader, const System<double>& system, std::size_t entry, const FieldMap* map, Position position,
-              const std::string& path) {
-  struct Missed {
-    double share = 0.0;
-    std::string text;
-  };
-  std::vector<Missed> missed;
-  double otf = 0.0;  // of samples: no more than the sum of what each is missed by
-  const auto fields = system.list(Stage::presample).at(entry).component.fields();
-  for (const FieldNumber<double>& number : system.field.numbers) {
-    if (number.entry != entry || number.map.get() != map) continue;
-    const FieldMap::Column& column = map->column[number.column];
-    if (!column.missed)
-      return reader.note(position, path,
-                         map->source + " has so few positions that nothing tells what lies between them", false);
-    const auto [rms, most] = *column.missed;
-    if (fields[number.field].info->type == FieldType::rows) otf += rms;
-    const auto [low, high] = std::ranges::minmax(column.value);
-    const std::string_view unit = column.unit != nullptr ? column.unit->name : "";
-    if (high > low && otf == 0.0)
-      missed.push_back({rms / (high - low), column.name + " by " + mtf::with_unit(significant(rms, 2), unit) +
-                                                " rms, " + mtf::with_unit(significant(most, 2), unit) + " at most"});
-  }
-  if (otf > 0.0) missed = {{otf, "the OTF by no more than " + significant(otf, 2) + " rms"}};
-  if (missed.empty()) return;
-  std::ranges::stable_sort(missed, std::ranges::greater{}, &Missed::share);
-  const bool doubtful = missed.front().share > kDoubtful;
-  const std::size_t shown = std::min(missed.size(), kMostNoted);
-  reader.note(position, path,
-              "numbers between the " + std::to_string(map->position.size()) + " positions of " + map->source +
-                  " are interpolated; where a position is left out, that misses " +
-                  joined(
-                      std::span(missed).first(shown), [](const Missed& number) { return number.text; }, "; ") +
-                  (missed.size() > shown ? ", the others by smaller shares" : "") +
-                  (doubtful ? "; give positions that are closer together" : ""),
-              !doubtful);
-}
-
-}  // namespace
 
 void note_maps(Reader& reader, const System<double>& system, std::size_t entry, Position position,
                const std::string& path) {
