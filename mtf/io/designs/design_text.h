@@ -39,8 +39,8 @@ std::optional<double> design_number(std::string_view word);
 /// The first length of a line, "Data spacing is 0.288 µm.", in um.
 std::optional<double> design_length_um(std::string_view line);
 
-/// All numbers of a row; empty for a line that starts with a word. Throws UsageError with `where` for a row that starts
-/// with a number and goes on with what is no finite one.
+/// All numbers of a row; empty for a line that starts with a word. Throws UsageError with `where` for a row whose first
+/// cell is a number and one of whose other cells is not a finite number.
 std::vector<double> design_row(std::string_view line, const std::string& where);
 
 /// A place in the field of view, "(0.0000, 7.0000) deg"; a number alone lies along y.
