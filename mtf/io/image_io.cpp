@@ -54,6 +54,12 @@ bool starts_as_bmp(std::string_view bytes) {
          bytes.substr(15, 3) == "\0\0\0"sv && bytes.substr(26, 2) == "\1\0"sv;
 }
 
+bool starts_as_gdal(std::string_view bytes) {
+  return std::ranges::any_of(
+      std::array{"NITF0"sv, "NSIF0"sv, "\x89HDF\r\n\x1a\n"sv, "\0\0\0\x0cjP  \r\n\x87\n"sv, "\xff\x4f\xff\x51"sv},
+      [&](std::string_view mark) { return bytes.starts_with(mark); });
+}
+
 constexpr std::array kFormats{
     ImageFormat{.format = Format::exr,
                 .name = "OpenEXR",
@@ -146,7 +152,18 @@ constexpr std::array kFormats{
                 .starts = starts_as_bmp,
                 .info = raw_info<open_bmp>,
                 .read = raw_image<open_bmp>,
-                .raw = open_bmp}};
+                .raw = open_bmp},
+    ImageFormat{.format = Format::gdal,
+                .name = "GDAL",
+                .known_by = "NITF, HDF5 or JPEG 2000",
+                .numbers = "all real numbers",
+                .applied = "images as parts, scale and offset, no-data values, sizes of pixels",
+                .noted = "geotransform and coordinate system, as text",
+                .refused = "complex numbers, palettes",
+                .starts = starts_as_gdal,
+                .info = raw_info<open_gdal>,
+                .read = raw_image<open_gdal>,
+                .raw = open_gdal}};
 
 /// By content and, of bare numbers, by the header beside them.
 std::optional<Format> format_at(const std::string& path) {
