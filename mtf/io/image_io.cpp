@@ -13,6 +13,7 @@
 #include "mtf/io/image_formats.h"
 #include "mtf/io/image_windows.h"
 #include "mtf/io/plane_checks.h"
+#include "mtf/io/raw/camera_raw.h"
 #include "mtf/io/raw/envi.h"
 #include "mtf/words.h"
 
@@ -163,12 +164,23 @@ constexpr std::array kFormats{
                 .starts = starts_as_gdal,
                 .info = raw_info<open_gdal>,
                 .read = raw_image<open_gdal>,
-                .raw = open_gdal}};
+                .raw = open_gdal},
+    ImageFormat{.format = Format::camera_raw,
+                .name = "DNG, raw",
+                .known_by = "endings .dng, .nef, .cr2, ...",
+                .numbers = "mosaics up to 16 bits",
+                .applied = "the maker's compression, masked margins, white level as full scale",
+                .noted = "mosaic, black level, exposure, orientation",
+                .refused = "demosaiced and X-Trans files, floats",
+                .starts = [](std::string_view) { return false; },  // by their names
+                .info = raw_info<open_camera_raw>,
+                .read = raw_image<open_camera_raw>}};
 
 /// By content and, of bare numbers, by the header beside them.
 std::optional<Format> format_at(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) throw RuntimeError("cannot read " + path + ": it cannot be opened; check its permissions");
+  if (is_camera_raw(path)) return Format::camera_raw;
   std::array<char, 32> start{};
   file.read(start.data(), static_cast<std::streamsize>(start.size()));
   if (const auto format = format_of({start.data(), static_cast<std::size_t>(file.gcount())})) return format;

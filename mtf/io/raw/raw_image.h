@@ -53,6 +53,8 @@ std::vector<RawImage> open_pnm(const std::string& path);
 std::vector<RawImage> open_bmp(const std::string& path);
 /// By the module of GDAL; also throws as open_module does.
 std::vector<RawImage> open_gdal(const std::string& path);
+/// By the module of LibRaw, likewise.
+std::vector<RawImage> open_camera_raw(const std::string& path);
 using OpenRaw = std::vector<RawImage> (*)(const std::string& path);
 
 FileInfo read_raw_info(const std::string& path, OpenRaw open);
