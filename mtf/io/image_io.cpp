@@ -94,9 +94,9 @@ constexpr std::array kFormats{
     ImageFormat{.format = Format::jpeg,
                 .name = "JPEG",
                 .known_by = "first bytes",
-                .numbers = "luminance, 8 bits",
-                .applied = "curve sRGB by [scene] encoding, densities",
-                .noted = "orientation, further images, raw counts of FLIR, unknown segments",
+                .numbers = "luminance, 8 bits; counts of FLIR",
+                .applied = "curve sRGB by [scene] encoding, densities; counts of FLIR as channel counts",
+                .noted = "orientation, further images, unknown segments, which may be raw counts",
                 .refused = "12 bits, lossless, RGB, CMYK",
                 .starts = [](std::string_view bytes) { return bytes.starts_with("\xff\xd8\xff"sv); },
                 .info = raster_info<Format::jpeg>,
@@ -146,7 +146,19 @@ constexpr std::array kFormats{
                 .starts = starts_as_bmp,
                 .info = raw_info<open_bmp>,
                 .read = raw_image<open_bmp>,
-                .raw = open_bmp}};
+                .raw = open_bmp},
+    ImageFormat{
+        .format = Format::flir,
+        .name = "FLIR",
+        .known_by = "FFF or AFF and a 0; in a JPEG its channel counts",
+        .numbers = "16 bits, PNG of 16 bits",
+        .applied = "order of bytes, frames of a SEQ as parts, camera_counts, emissivity, reflected, air, window",
+        .noted = "constants that are missing, frames without counts, bytes behind the last one",
+        .refused = "JPEG-LS (CSQ)",
+        .starts = [](std::string_view bytes) { return bytes.starts_with("FFF\0"sv) || bytes.starts_with("AFF\0"sv); },
+        .info = raw_info<open_flir>,
+        .read = raw_image<open_flir>,
+        .raw = open_flir}};
 
 /// By content and, of bare numbers, by the header beside them.
 std::optional<Format> format_at(const std::string& path) {

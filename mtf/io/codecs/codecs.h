@@ -5,6 +5,7 @@
 // module (mtf/work/module.h, CMake target `mtfkit_codecs`), opened on first use: reading no PNG costs nothing.
 
 #include <cstdint>
+#include <istream>
 #include <map>
 #include <optional>
 #include <string>
@@ -36,6 +37,7 @@ struct RasterHeader {
   std::optional<NoData> no_data{};
   double pixel_aspect = 1.0;         ///< as in FileInfo
   std::vector<std::string> notes{};  ///< as in FileInfo
+  std::string flir{};                ///< the FFF in the segments of a JPEG (mtf/io/raw/flir.cpp)
 };
 
 /// Samples to be written, row-major, colours interleaved as R,G,B, 8 or 16 bits each.
@@ -58,7 +60,9 @@ struct Codecs {
   ModuleBuild build;
   RasterHeader (*tiff_header)(const std::string& path, std::int64_t file_bytes);
   /// First page, planes in the order R,G,B or Y, values as stored.
-  std::vector<Image> (*decode_png)(const std::string& path, const RasterHeader& header);
+  /// Of a PNG of that many bytes in a file or in memory, which `path` names.
+  std::vector<Image> (*decode_png)(const std::string& path, std::istream& file, std::int64_t bytes,
+                                   const RasterHeader& header);
   std::vector<Image> (*decode_tiff)(const std::string& path, const RasterHeader& header);
   std::vector<Image> (*decode_jpeg)(const std::string& path, const RasterHeader& header);
   int (*encode_png)(int descriptor, const RasterData& data);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mtf/io/codecs/raster.h"
 
+#include <fstream>
 #include <utility>
 
 #include "mtf/error.h"
@@ -8,6 +9,7 @@
 #include "mtf/io/codecs/codecs.h"
 #include "mtf/io/codecs/raster_scan.h"
 #include "mtf/io/file_checks.h"
+#include "mtf/io/raw/raw_image.h"
 #include "mtf/words.h"
 
 namespace mtf::io {
@@ -44,21 +46,49 @@ FileInfo describe(const RasterHeader& header, Format format) {
   return info;
 }
 
+/// A JPEG is a picture of the counts of a FLIR camera, where it holds them: they are another image beside it. Where
+/// they cannot be read the picture still can.
+void add_counts(const std::string& path, const RasterHeader& header, FileInfo& info) {
+  if (header.flir.empty()) return;
+  try {
+    const FileInfo counts = read_raw_info(path, open_flir);
+    info.channels.push_back(counts.channels.front());
+    info.channels.back().part = 1;
+    info.attributes.insert(counts.attributes.begin(), counts.attributes.end());
+    info.attributes.erase("mtf:quantity");  // of the counts alone
+    info.notes.push_back("it is a picture of the raw counts of a FLIR camera, " +
+                         size_text(counts.width, counts.height) + ", which it holds too: --channel counts reads them");
+    info.notes.insert(info.notes.end(), counts.notes.begin(), counts.notes.end());
+  } catch (const Error& error) {
+    info.notes.push_back("the raw counts of a FLIR camera that it holds are not readable: " +
+                         std::string(error.what()));
+  }
+}
+
 std::vector<Image> decode_raster(const std::string& path, Format format, const RasterHeader& header) {
-  if (format == Format::png) return codecs().decode_png(path, header);
+  if (format == Format::png) {
+    std::ifstream file(path, std::ios::binary);
+    return codecs().decode_png(path, file, input_file_size(path), header);
+  }
   return format == Format::jpeg ? codecs().decode_jpeg(path, header) : codecs().decode_tiff(path, header);
 }
 
 }  // namespace
 
 FileInfo read_raster_info(const std::string& path, Format format) {
-  return describe(raster_header(path, format), format);
+  const RasterHeader header = raster_header(path, format);
+  FileInfo info = describe(header, format);
+  add_counts(path, header, info);
+  return info;
 }
 
 ImageFile read_raster(const std::string& path, Format format, const ReadOptions& options) {
   const RasterHeader header = raster_header(path, format);
   ImageFile image;
   image.info = describe(header, format);
+  add_counts(path, header, image.info);
+  if (image.info.channels.back().part == 1 && (options.channel == "counts" || options.part == 1))
+    return read_raw(path, open_flir, {});
   if (format == Format::jpeg && options.channel && *options.channel != "Y")
     throw UsageError(path +
                      ": of a JPEG only the luminance plane Y is read: its colours are mixed and mostly of fewer "

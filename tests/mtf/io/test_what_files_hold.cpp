@@ -297,7 +297,7 @@ TEST_F(JpegHolds, OrientationRawCountsAndFurtherImages) {
   const std::string tiff("MM\0*\0\0\0\x08\0\1\x01\x12\0\3\0\0\0\1\0\3\0\0\0\0\0\0", 26);
   EXPECT_TRUE(says(read(segment(0xe1, std::string("Exif\0\0", 6) + tiff)).notes, "Exif 3"));
   const FileInfo flir =
-      read(segment(0xe1, std::string("FLIR\0\1\0\1", 8)) + segment(0xe1, std::string("FLIR\0\1\1\1", 8)));
+      read(segment(0xe1, std::string("FLIR\0\1\0\1FFF", 11)) + segment(0xe1, std::string("FLIR\0\1\1\1", 8)));
   EXPECT_TRUE(says(flir.notes, "counts of a FLIR"));
   EXPECT_EQ(flir.notes.size(), 1U);
   const std::string index("II*\0\x08\0\0\0\1\0\x01\xb0\4\0\1\0\0\0\3\0\0\0\0\0\0\0", 26);
