@@ -219,6 +219,8 @@ ImageFacts image_facts(const InfoOptions& options) {
   ImageFacts facts;
   facts.path = options.file;
   facts.info = mtf::io::read_info(options.file);
+  if (facts.info.format == mtf::io::Format::tiff && options.read.part)  // another page
+    facts.info = mtf::io::read_image(options.file, options.read).info;
   facts.values = meaning(facts.info);
   facts.remarks = facts.info.notes;
   for (std::string remark : {encoding_remark(facts.info), mtf::io::aspect_note(facts.info)})

@@ -39,11 +39,11 @@ double transmission_of(const CountAir& air) {
 namespace {
 
 /// S + O of the surface = slope (S + O) - rest.
-struct Line {
+struct CountLine {
   double slope, rest;
 };
 
-Line surface_line(const CountCamera& camera, const Thermometry& a) {
+CountLine surface_line(const CountCamera& camera, const Thermometry& a) {
   const auto u = [&](double share, double k) { return share == 0.0 ? 0.0 : share * (camera.count(k) + camera.o); };
   const double before = a.window_transmission * a.transmission;
   return {1.0 / (a.emissivity * before),
@@ -58,7 +58,7 @@ double temperature_of_signal(const CountCamera& camera, double signal) {
 }
 
 /// dU / dT = U (U R2 F / R1 + 1) B / T^2.
-double slope_of(const CountCamera& camera, double temperature_k) {
+double signal_slope(const CountCamera& camera, double temperature_k) {
   const double u = camera.count(temperature_k) + camera.o;
   return u * (1.0 + u * camera.r2 * camera.f / camera.r1) * camera.b_k / (temperature_k * temperature_k);
 }
@@ -66,18 +66,18 @@ double slope_of(const CountCamera& camera, double temperature_k) {
 }  // namespace
 
 double temperature_of(double count, const CountCamera& camera, const Thermometry& assumed) {
-  const Line line = surface_line(camera, assumed);
+  const CountLine line = surface_line(camera, assumed);
   return temperature_of_signal(camera, (count + camera.o) * line.slope - line.rest);
 }
 
 CountSensitivity sensitivity_of(double count, const CountCamera& camera, const Thermometry& a) {
-  const double t = temperature_of(count, camera, a), per_u = 1.0 / slope_of(camera, t);
+  const double t = temperature_of(count, camera, a), per_u = 1.0 / signal_slope(camera, t);
   const auto u = [&](double k) { return camera.count(k) + camera.o; };
   const double seen = a.emissivity * u(t) + (1.0 - a.emissivity) * u(a.reflected_k);  // before the air
   return {.emissivity = per_u * (u(a.reflected_k) - u(t)) / a.emissivity,
-          .reflected = -per_u * (1.0 - a.emissivity) / a.emissivity * slope_of(camera, a.reflected_k),
+          .reflected = -per_u * (1.0 - a.emissivity) / a.emissivity * signal_slope(camera, a.reflected_k),
           .transmission = per_u * (u(a.air_k) - seen) / (a.emissivity * a.transmission),
-          .air = -per_u * (1.0 - a.transmission) / (a.emissivity * a.transmission) * slope_of(camera, a.air_k)};
+          .air = -per_u * (1.0 - a.transmission) / (a.emissivity * a.transmission) * signal_slope(camera, a.air_k)};
 }
 
 void temperature_of_counts(mtf::ImageView<float> plane, const CountCamera& camera, const Thermometry& assumed,
@@ -89,7 +89,7 @@ void temperature_of_counts(mtf::ImageView<float> plane, const CountCamera& camer
     if (!(value > 0.0 && value <= 1.0))
       throw mtf::UsageError("counts: " + std::string(name) + " " + mtf::format_double(value) +
                             "; it has to be above 0, up to 1");
-  const Line line = surface_line(camera, assumed);
+  const CountLine line = surface_line(camera, assumed);
   const auto possible = [](double share, double k) { return share == 0.0 || k >= 0.0; };
   if (!(line.rest >= 0.0 && std::isfinite(line.rest) && possible(1.0 - assumed.emissivity, assumed.reflected_k) &&
         possible(1.0 - assumed.transmission, assumed.air_k) &&

@@ -15,9 +15,9 @@
 namespace mtf::io {
 namespace {
 
-RasterHeader raster_header(const std::string& path, Format format) {
+RasterHeader raster_header(const std::string& path, Format format, int page) {
   if (format == Format::png) return scan_png(path);
-  return format == Format::jpeg ? scan_jpeg(path) : codecs().tiff_header(path, input_file_size(path));
+  return format == Format::jpeg ? scan_jpeg(path) : codecs().tiff_header(path, input_file_size(path), page);
 }
 
 FileInfo describe(const RasterHeader& header, Format format) {
@@ -32,6 +32,7 @@ FileInfo describe(const RasterHeader& header, Format format) {
   info.encoding = header.encoding;
   info.dct_steps = header.dct_steps;
   info.pixel_aspect = header.pixel_aspect;
+  info.largest = header.largest;
   info.notes = header.notes;
   if (header.no_data) note_no_data(info, header.no_data->words);
   std::vector<std::string> names{"Y"};
@@ -41,6 +42,7 @@ FileInfo describe(const RasterHeader& header, Format format) {
     ChannelInfo channel;
     channel.name = name;
     channel.type = header.type;
+    channel.part = header.page;
     info.channels.push_back(channel);
   }
   return info;
@@ -76,18 +78,19 @@ std::vector<Image> decode_raster(const std::string& path, Format format, const R
 }  // namespace
 
 FileInfo read_raster_info(const std::string& path, Format format) {
-  const RasterHeader header = raster_header(path, format);
+  const RasterHeader header = raster_header(path, format, 0);
   FileInfo info = describe(header, format);
   add_counts(path, header, info);
   return info;
 }
 
 ImageFile read_raster(const std::string& path, Format format, const ReadOptions& options) {
-  const RasterHeader header = raster_header(path, format);
+  const RasterHeader header = raster_header(path, format, options.part.value_or(0));
   ImageFile image;
   image.info = describe(header, format);
   add_counts(path, header, image.info);
-  if (image.info.channels.back().part == 1 && (options.channel == "counts" || options.part == 1))
+  if (!header.flir.empty() && image.info.channels.back().part == 1 &&
+      (options.channel == "counts" || options.part == 1))
     return read_raw(path, open_flir, {});
   if (format == Format::jpeg && options.channel && *options.channel != "Y")
     throw UsageError(path +
@@ -101,7 +104,7 @@ ImageFile read_raster(const std::string& path, Format format, const ReadOptions&
   std::vector<Image> planes = decode_raster(path, format, header);
   for (const std::size_t i : choice.indices) image.planes.push_back(std::move(planes.at(i)));
   image.names = choice.names;
-  image.integer = header.type == "uint8" || header.type == "uint16";
+  image.integer = header.type != "float" && header.type != "double";
   return image;
 }
 

@@ -128,7 +128,12 @@ TEST_F(TiffHolds, PagesAreCountedAndPreviewsAndMasksRefused) {
   EXPECT_TRUE(says(mtf::io::read_info(path).notes, "page 1 of 2"));
   write({full});
   EXPECT_TRUE(mtf::io::read_info(path).notes.empty());
+  expect_says(message_of([&] { mtf::io::read_image(path, {.channel = {}, .layer = {}, .part = 1}); }),
+              {"page 2 of a TIFF of 1 page"});
   write({small, full});
+  const ImageFile second = mtf::io::read_image(path, {.channel = {}, .layer = {}, .part = 1});
+  EXPECT_EQ(second.info.width, 16);
+  EXPECT_TRUE(says(second.info.notes, "page 2 of 2"));
   expect_refused({"8 x 6 pixels", "16 x 12 pixels", "page 2", "tiffcp"});
   write({full, {.width = 16, .height = 12, .kind = FILETYPE_MASK}});
   expect_refused({"page 2", "mask of the pixels", "NaN"});
