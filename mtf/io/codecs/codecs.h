@@ -39,7 +39,7 @@ struct RasterHeader {
   double largest = 0.0;              ///< as in FileInfo
   int page = 0;                      ///< of a TIFF, from 0
   std::vector<std::string> notes{};  ///< as in FileInfo
-  std::string flir{};                ///< the FFF in the segments of a JPEG (mtf/io/raw/flir.cpp)
+  std::string flir{}, dji{};         ///< FFF, and counts, in the segments of a JPEG (mtf/io/raw/flir.cpp)
 };
 
 /// Samples to be written, row-major, colours interleaved as R,G,B, 8 or 16 bits each.

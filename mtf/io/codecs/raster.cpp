@@ -48,21 +48,21 @@ FileInfo describe(const RasterHeader& header, Format format) {
   return info;
 }
 
-/// A JPEG is a picture of the counts of a FLIR camera, where it holds them: they are another image beside it. Where
+/// A JPEG is a picture of the counts of a thermal camera, where it holds them: they are another image beside it. Where
 /// they cannot be read the picture still can.
 void add_counts(const std::string& path, const RasterHeader& header, FileInfo& info) {
-  if (header.flir.empty()) return;
+  if (header.flir.empty() && header.dji.empty()) return;
   try {
     const FileInfo counts = read_raw_info(path, open_flir);
     info.channels.push_back(counts.channels.front());
     info.channels.back().part = 1;
     info.attributes.insert(counts.attributes.begin(), counts.attributes.end());
     info.attributes.erase("mtf:quantity");  // of the counts alone
-    info.notes.push_back("it is a picture of the raw counts of a FLIR camera, " +
+    info.notes.push_back("it is a picture of the raw counts of a thermal camera, " +
                          size_text(counts.width, counts.height) + ", which it holds too: --channel counts reads them");
     info.notes.insert(info.notes.end(), counts.notes.begin(), counts.notes.end());
   } catch (const Error& error) {
-    info.notes.push_back("the raw counts of a FLIR camera that it holds are not readable: " +
+    info.notes.push_back("the raw counts of a thermal camera that it holds are not readable: " +
                          std::string(error.what()));
   }
 }
@@ -89,8 +89,7 @@ ImageFile read_raster(const std::string& path, Format format, const ReadOptions&
   ImageFile image;
   image.info = describe(header, format);
   add_counts(path, header, image.info);
-  if (!header.flir.empty() && image.info.channels.back().part == 1 &&
-      (options.channel == "counts" || options.part == 1))
+  if (image.info.channels.back().part == 1 && (options.channel == "counts" || options.part == 1))
     return read_raw(path, open_flir, {});
   if (format == Format::jpeg && options.channel && *options.channel != "Y")
     throw UsageError(path +

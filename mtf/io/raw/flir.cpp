@@ -8,6 +8,8 @@
 //   record 32    the camera: constants of its counts (radiometry/light/raw_counts.h), surface and air that it was told
 // Each has 2 as its first number, by which its order of bytes is known. FLIR writes the samples of the PNG the least
 // byte first, against the standard; the order is that in which neighbours differ less.
+// DJI's cameras have their counts bare in the segments APP3 of a JPEG, 16 bits, the least byte first, as many as the
+// picture has pixels or as one of half its size; what they are worth is not published.
 // Attributes named camera_counts.R1 ... scene.emissivity, scene.surroundings have the names of the sensor file's keys.
 
 #include <algorithm>
@@ -175,6 +177,40 @@ std::vector<char> unpacked_png(const std::string& path, const std::string& png, 
   return bytes;
 }
 
+/// What they are, and that their worth is not known where a constant is missing.
+void state_counts(FileInfo& info) {
+  info.attributes["mtf:quantity"] = "counts";
+  for (const char* key : {"R1", "B", "F", "O", "R2"})
+    if (!info.attributes.contains(std::string("camera_counts.") + key)) {
+      info.notes.emplace_back(
+          "the constants of its camera are not in it: what a count is worth is for [camera_counts] to say");
+      return;
+    }
+}
+
+RawImage dji_image(const std::string& path, const RasterHeader& header) {
+  RawImage image;
+  image.file = path;
+  image.type = {'u', 2, false};
+  image.planes.resize(1);
+  for (const std::int64_t step : {1, 2}) {
+    image.info.width = header.width / step;
+    image.info.height = header.height / step;
+    if (2 * image.info.width * image.info.height == std::ssize(header.dji)) break;
+    if (step == 2)
+      throw RuntimeError("cannot read " + path + ": " + std::to_string(header.dji.size()) +
+                         " bytes of counts (DJI) beside a picture of " + size_text(header.width, header.height) +
+                         " pixels: their columns and rows are not known");
+  }
+  image.info.format = Format::flir;
+  image.info.storage = "16-bit of DJI";
+  image.held.assign(header.dji.begin(), header.dji.end());
+  state_counts(image.info);
+  interleave_pixels(image);
+  name_channels(image, {"counts"});
+  return image;
+}
+
 /// The FFF that begins at `begin`, whose end is told; nothing where it has no counts.
 std::optional<RawImage> frame_of(const FlirBytes& file, std::int64_t begin, bool in_jpeg, std::int64_t& end) {
   Packed header{file.at(begin, kFrameHeader, "a header")};
@@ -243,14 +279,7 @@ std::optional<RawImage> frame_of(const FlirBytes& file, std::int64_t begin, bool
       image.begin = first;
     }
   }
-  info.attributes["mtf:quantity"] = "counts";
-  for (const char* key :
-       {"camera_counts.R1", "camera_counts.B", "camera_counts.F", "camera_counts.O", "camera_counts.R2"})
-    if (!info.attributes.contains(key)) {
-      info.notes.emplace_back(
-          "the constants of its camera are not in it: what a count is worth is for [camera_counts] to say");
-      break;
-    }
+  state_counts(info);
   return image;
 }
 
@@ -261,10 +290,15 @@ std::vector<RawImage> open_flir(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::array<char, 3> start{};
   const bool in_jpeg = file.read(start.data(), start.size()) && std::string_view(start.data(), 3) == kJpegStart;
-  std::istringstream segments(in_jpeg ? scan_jpeg(path).flir : std::string());
-  const FlirBytes from(path, in_jpeg ? static_cast<std::istream&>(segments) : file,
-                       in_jpeg ? std::ssize(segments.str()) : file_size);
+  const RasterHeader header = in_jpeg ? scan_jpeg(path) : RasterHeader{};
   std::vector<RawImage> images;
+  if (!header.dji.empty()) {
+    images.push_back(dji_image(path, header));
+    return images;
+  }
+  std::istringstream segments(header.flir);
+  const FlirBytes from(path, in_jpeg ? static_cast<std::istream&>(segments) : file,
+                       in_jpeg ? std::ssize(header.flir) : file_size);
   std::size_t without = 0;
   std::int64_t at = 0;
   const auto is_frame = [&] {

@@ -105,6 +105,22 @@ TEST_F(Flir, AJpegIsAPictureOfItsCounts) {
   EXPECT_TRUE(says(read(jpeg(segment(0, 0, half))).info.notes.at(0), "are not readable"));
 }
 
+TEST_F(Flir, CountsOfDjiAreOfThePicturesSize) {
+  const std::string exif =
+      io_test::JpegWriter::segment(0xe1, std::string("Exif\0\0II*\0\x08\0\0\0\1\0\x0f\1\2\0\4\0\0\0DJI\0\0\0\0\0", 32));
+  FlirText counts{std::string(2 * 16 * 8, '\0')};
+  counts.set(2 * (16 * 7 + 15), 2, 21000);
+  const auto file = [&](const std::string& bytes) {
+    return jpeg(exif + io_test::JpegWriter::segment(0xe3, bytes.substr(0, 50)) +
+                io_test::JpegWriter::segment(0xe3, bytes.substr(50)));
+  };
+  const ImageFile image = read(file(counts.bytes), {.channel = "counts"});
+  EXPECT_EQ(image.planes.front().at(15, 7), 21000.0F);
+  EXPECT_TRUE(says(image.info.notes.at(0), "what a count is worth"));
+  EXPECT_EQ(read(file(counts.bytes.substr(192)), {.channel = "counts"}).planes.front().at(7, 3), 21000.0F);
+  EXPECT_TRUE(says(read(file(counts.bytes.substr(2))).info.notes.at(0), "columns and rows are not known"));
+}
+
 TEST_F(Flir, LyingSizesAreRefused) {
   expect_says(refusal(fff().bytes.substr(0, 190)), {"record 1 of type 1 ends at byte 200 of 190"});
   expect_says(refusal(fff().set(28, 4, 5000).bytes), {"5000 records"});

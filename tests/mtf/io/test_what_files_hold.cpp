@@ -303,7 +303,7 @@ TEST_F(JpegHolds, OrientationRawCountsAndFurtherImages) {
   EXPECT_TRUE(says(read(segment(0xe1, std::string("Exif\0\0", 6) + tiff)).notes, "Exif 3"));
   const FileInfo flir =
       read(segment(0xe1, std::string("FLIR\0\1\0\1FFF", 11)) + segment(0xe1, std::string("FLIR\0\1\1\1", 8)));
-  EXPECT_TRUE(says(flir.notes, "counts of a FLIR"));
+  EXPECT_TRUE(says(flir.notes, "counts of a thermal camera"));
   EXPECT_EQ(flir.notes.size(), 1U);
   const std::string index("II*\0\x08\0\0\0\1\0\x01\xb0\4\0\1\0\0\0\3\0\0\0\0\0\0\0", 26);
   EXPECT_TRUE(says(read(segment(0xe2, std::string("MPF\0", 4) + index)).notes, "of 3 images (MPF)"));
