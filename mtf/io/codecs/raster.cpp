@@ -89,7 +89,7 @@ ImageFile read_raster(const std::string& path, Format format, const ReadOptions&
   ImageFile image;
   image.info = describe(header, format);
   add_counts(path, header, image.info);
-  if (image.info.channels.back().part == 1 && (options.channel == "counts" || options.part == 1))
+  if (image.info.channels.back().name == "counts" && (options.channel == "counts" || options.part == 1))
     return read_raw(path, open_flir, {});
   if (format == Format::jpeg && options.channel && *options.channel != "Y")
     throw UsageError(path +
