@@ -3,6 +3,7 @@
 // `mtf info FILE`: format and metadata of a file, statistics of its pixels, and the command to run next.
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -203,6 +204,7 @@ std::string counts_remark(const ImageFacts& facts) {
     std::string text = "temperatures of the counts";
     for (const auto& [word, count] : {std::pair{" from ", *channel.min}, {" to ", *channel.max}}) {
       const auto s = sensitivity_of(count, camera, assumed);
+      if (!std::isfinite(s.emissivity)) return text + ": some of them have none by " + thermometry_words(assumed);
       text += word + significant(temperature_of(count, camera, assumed), 6) + " K (" +
               significant(0.01 * s.emissivity, 2) + " K for 0.01 of emissivity, " + significant(s.reflected, 2) +
               " K for 1 K of reflected, " + significant(0.01 * s.transmission, 2) +

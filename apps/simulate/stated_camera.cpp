@@ -23,7 +23,7 @@ std::optional<StatedCamera> stated_camera(const std::map<std::string, std::strin
     return std::nullopt;
   read("scene.emissivity", assumed.emissivity);
   read("scene.surroundings", assumed.reflected_k);
-  read("flir.window_transmission", assumed.window_transmission);
+  if (double w = 1.0; read("flir.window_transmission", w) && w > 0.0 && w <= 1.0) assumed.window_transmission = w;
   read("flir.window_temperature", assumed.window_k);
   radiometry::CountAir air;
   const bool known = read("flir.distance", air.distance_m) && read("flir.air_temperature", air.air_k) &&
