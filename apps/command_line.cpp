@@ -118,7 +118,7 @@ void add_channel_choice(Command& command, mtf::io::ReadOptions& read) {
   add_word(command, "--layer", "NAME", "the layer to use; '' = the channels without a layer",
            [&](const std::string& text) { read.layer = text; })
       .candidates = layers_on;
-  add_value(command, "--part", "N", "part of a multi-part OpenEXR file, unit of FITS or frame of FLIR, from 0",
+  add_value(command, "--part", "N", "part of a file of several: OpenEXR, units of FITS, frames of FLIR; from 0",
             read.part, whole(0, 1'000'000))
       .candidates = parts_on;
   add_text(command, "--page", "N", "page of a TIFF, from 1", [&](const std::string& text) {

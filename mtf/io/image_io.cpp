@@ -13,6 +13,7 @@
 #include "mtf/io/image_formats.h"
 #include "mtf/io/image_windows.h"
 #include "mtf/io/plane_checks.h"
+#include "mtf/io/raw/camera_raw.h"
 #include "mtf/io/raw/envi.h"
 #include "mtf/words.h"
 
@@ -52,6 +53,12 @@ bool starts_as_pnm(std::string_view bytes) {
 bool starts_as_bmp(std::string_view bytes) {
   return bytes.size() >= 28 && bytes.starts_with("BM") && bytes.substr(6, 4) == "\0\0\0\0"sv &&
          bytes.substr(15, 3) == "\0\0\0"sv && bytes.substr(26, 2) == "\1\0"sv;
+}
+
+bool starts_as_gdal(std::string_view bytes) {
+  return std::ranges::any_of(
+      std::array{"NITF0"sv, "NSIF0"sv, "\x89HDF\r\n\x1a\n"sv, "\0\0\0\x0cjP  \r\n\x87\n"sv, "\xff\x4f\xff\x51"sv},
+      [&](std::string_view mark) { return bytes.starts_with(mark); });
 }
 
 constexpr std::array kFormats{
@@ -159,12 +166,34 @@ constexpr std::array kFormats{
         .starts = [](std::string_view bytes) { return bytes.starts_with("FFF\0"sv) || bytes.starts_with("AFF\0"sv); },
         .info = raw_info<open_flir>,
         .read = raw_image<open_flir>,
-        .raw = open_flir}};
+        .raw = open_flir},
+    ImageFormat{.format = Format::gdal,
+                .name = "GDAL",
+                .known_by = "NITF, HDF5 or JPEG 2000",
+                .numbers = "all real numbers",
+                .applied = "images as parts, scale and offset, no-data values, sizes of pixels",
+                .noted = "geotransform and coordinate system, as text",
+                .refused = "complex numbers, palettes",
+                .starts = starts_as_gdal,
+                .info = raw_info<open_gdal>,
+                .read = raw_image<open_gdal>,
+                .raw = open_gdal},
+    ImageFormat{.format = Format::camera_raw,
+                .name = "DNG, raw",
+                .known_by = "endings .dng, .nef, .cr2, ...",
+                .numbers = "mosaics up to 16 bits",
+                .applied = "the maker's compression, masked margins, white level as full scale",
+                .noted = "mosaic, black level, exposure, orientation",
+                .refused = "demosaiced and X-Trans files, floats",
+                .starts = [](std::string_view) { return false; },  // by their names
+                .info = raw_info<open_camera_raw>,
+                .read = raw_image<open_camera_raw>}};
 
 /// By content and, of bare numbers, by the header beside them.
 std::optional<Format> format_at(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) throw RuntimeError("cannot read " + path + ": it cannot be opened; check its permissions");
+  if (is_camera_raw(path)) return Format::camera_raw;
   std::array<char, 32> start{};
   file.read(start.data(), static_cast<std::streamsize>(start.size()));
   if (const auto format = format_of({start.data(), static_cast<std::size_t>(file.gcount())})) return format;

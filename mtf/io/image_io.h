@@ -21,7 +21,7 @@
 
 namespace mtf::io {
 
-enum class Format { exr, png, tiff, jpeg, envi, fits, pnm, bmp, flir };
+enum class Format { exr, png, tiff, jpeg, envi, fits, pnm, bmp, gdal, camera_raw, flir };
 
 /// Format by the first bytes of a file; nothing where they are those of no image.
 std::optional<Format> format_of(std::string_view start);

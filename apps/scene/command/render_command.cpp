@@ -163,14 +163,6 @@ render::LayerChoice layers_of(const std::vector<std::string>& names) {
   return choice;
 }
 
-render::Pose pose_of(const RenderCommandOptions& options, const SceneFile& file) {
-  render::Pose pose;
-  if (file.camera || !options.position || !options.look_at) pose = pose_of(file);
-  if (options.position) pose.position = *options.position;
-  if (options.look_at) pose.look_at = *options.look_at;
-  return pose;
-}
-
 std::vector<std::string> inputs_of(const RenderCommandOptions& options, const SceneFile& file,
                                    const std::vector<PictureSensor>& sensors) {
   std::vector<std::string> inputs = files_of(file);
@@ -310,8 +302,9 @@ std::string render_pictures(const RenderCommandOptions& options, const Global& g
     note(global, "note: " + words);
   std::vector<render::Camera> cameras;
   std::vector<render::RenderBand> bands;
+  const render::Pose pose = pose_of(file, options.position, options.look_at);
   for (const PictureSensor& sensor : sensors) {
-    cameras.push_back(picture_camera(sensor, pose_of(options, file), samples_per_pitch));
+    cameras.push_back(picture_camera(sensor, pose, samples_per_pitch));
     bands.push_back(sensor.band);
   }
   require_same_view(sensors, cameras);

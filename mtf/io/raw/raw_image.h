@@ -25,7 +25,9 @@ struct RawImage {
   NumberType type{};
   std::int64_t begin = 0, pixel_step = 0, row_step = 0, plane_step = 0;
   std::vector<Meaning> planes{};  ///< one a plane
-  FileInfo info{};                ///< format, size, and with channels() one for each plane
+  /// Pixels from (x, y) on of a plane as floats, from any thread, where the numbers do not lie bare: a library decodes.
+  std::function<void(std::int64_t plane, std::int64_t x, std::int64_t y, ImageView<float> out)> decode{};
+  FileInfo info{};  ///< format, size, and with channels() one for each plane
 };
 
 /// Throws RuntimeError unless the image, whose size, type and file are known, has pixels and planes, at most as many as
@@ -52,6 +54,10 @@ std::vector<RawImage> open_pnm(const std::string& path);
 std::vector<RawImage> open_bmp(const std::string& path);
 /// FFF and SEQ, a frame a part; or the counts in a JPEG (mtf/io/raw/flir.cpp).
 std::vector<RawImage> open_flir(const std::string& path);
+/// By the module of GDAL; also throws as open_module does.
+std::vector<RawImage> open_gdal(const std::string& path);
+/// By the module of LibRaw, likewise.
+std::vector<RawImage> open_camera_raw(const std::string& path);
 using OpenRaw = std::vector<RawImage> (*)(const std::string& path);
 
 FileInfo read_raw_info(const std::string& path, OpenRaw open);
