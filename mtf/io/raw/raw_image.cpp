@@ -90,7 +90,10 @@ RawWindows::RawWindows(const std::string& path, OpenRaw open, const ReadOptions&
   file_.info = image_.info;
   file_.info.channels = std::move(all);
   const std::string& type = image_.info.channels.front().type;
-  file_.integer = !type.ends_with("float") && !type.ends_with("double");
+  // Numbers whose quantity the file states are of its unit as they are.
+  file_.integer =
+      !type.ends_with("float") && !type.ends_with("double") && !image_.info.attributes.contains("mtf:quantity");
+  if (image_.unpack) image_.held = image_.unpack();
   if (image_.decode) return;
   descriptor_ = ::open(image_.file.c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor_ < 0)
