@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "apps/terminal/text_table.h"
-#include "calib/characterize/trend.h"
 #include "mtf/error.h"
 
 namespace apps {

@@ -35,7 +35,7 @@ struct PatternPlane {
 };
 
 /// The mean frame of the dark stack, then the difference of the bright and the dark one over its signal, without
-/// shading (calib/characterize/trend.h); those that are there. Of blackbodies the mean frame of that nearest to the
+/// shading (calib/characterize/pattern.h); those that are there. Of blackbodies the mean frame of that nearest to the
 /// reference, then the difference of the hottest and the coldest one.
 std::vector<PatternPlane> pattern_planes(const calib::Characterization& camera);
 

@@ -8,7 +8,6 @@
 
 #include "calib/characterize/defect_pixels.h"
 #include "calib/characterize/rounding.h"
-#include "calib/characterize/trend.h"
 #include "calib/fit/fit_report.h"
 #include "mtf/error.h"
 #include "mtf/words.h"

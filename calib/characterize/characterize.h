@@ -44,6 +44,7 @@ struct StackSummary {
   std::map<int, std::int64_t> by_variance{};  ///< pixels, by ln(variance / mean of all) in units of variance_bin()
   TimeSpectra in_time{};
   std::uint32_t step = 1;
+  std::vector<double> frame_means{};
   double lasting = 0.0;  ///< what 1/f noise adds to the variance of a pixel's mean over the frames, counts^2
   mtf::Image pattern{};  ///< pixel means less the mean of all; may be empty
   NoiseScales noise{};   ///< empty where that is
@@ -80,7 +81,7 @@ struct CharacterizeOptions {
   int nonlinearity = 0;              ///< terms of the response: 0, 1 (a2), 2 (a2, a3), 3 (a2, a3, a4)
   double full_well_e = 0.0;          ///< to which they refer; 0: the range of counts up to `most_counts` by the gain
   double most_counts = 0.0;          ///< the largest count of the converter
-  int trend = 2;                     ///< degree of the shading that is no part of the response's pattern (trend.h)
+  int trend = 2;                     ///< degree of the shading that is no part of the response's pattern (pattern.h)
   double light_repeatability = 0.0;  ///< relative sd of the light from stack to stack
   bool counts_time = false;  ///< the times of the stacks are known: dark current where dark stacks differ in them
   double misfit_p = 1e-3;    ///< below, the model does not describe the frames

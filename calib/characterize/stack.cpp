@@ -48,6 +48,7 @@ StackSummary summary_of(const StackStatistics& stack) {
   s.drift = stack.drift();
   s.step = stack.step();
   s.noise = stack.noise_scales();
+  s.frame_means = stack.frame_means();
   s.pattern = mtf::Image(stack.width(), stack.height());
   for (std::int64_t i = 0; i < s.pattern.size(); ++i)
     s.pattern.data()[i] = static_cast<float>(stack.pixel_mean(i) - s.mean);

@@ -24,7 +24,6 @@
 #include <vector>
 
 #include "calib/characterize/spectra.h"
-#include "calib/characterize/time_scales.h"
 #include "mtf/image.h"
 #include "radiometry/stages/noise/mean_squares.h"
 
@@ -79,6 +78,7 @@ class StackStatistics {
   std::int64_t pixels() const { return width_ * height_; }
   double mean() const;
   double pixel_mean(std::int64_t i) const;  ///< i counts along rows
+  std::vector<double> frame_means() const;
 
   /// The three below need two frames; UsageError with fewer.
   radiometry::MeanSquares mean_squares() const;
@@ -120,16 +120,14 @@ class StackStatistics {
   std::int64_t every_;                 ///< row has its squares kept
   std::vector<double> sum_, squares_;  ///< of pixels
   std::int64_t scale_every_;           ///< row is in the scales of time
-  TimeScales scales_, frame_scales_;   ///< of those pixels, and of the means of frames
+  TimeScales scales_;                  ///< of those pixels
+  std::vector<double> frame_sums_;     ///< about the reference
   TimeSeries series_;
   std::vector<float> before_;  ///< the rows of the latest frame whose squares are kept
   std::array<long double, kLags.size()> products_{};
   long double total_ = 0.0L, all_squares_ = 0.0L, frame_squares_ = 0.0L, row_squares_ = 0.0L, column_squares_ = 0.0L;
-  long double step_squares_ = 0.0L;  ///< of the differences of successive frames' sums
-  long double moment_ = 0.0L;        ///< of the frames' sums, each times the number of frames before it
-  long double pixel_steps_ = 0.0L;   ///< of those of pixels
-  double last_ = 0.0;                ///< sum of the latest frame
-  std::uint32_t bits_ = 0;           ///< that occur in any value
+  long double pixel_steps_ = 0.0L;  ///< of those of pixels
+  std::uint32_t bits_ = 0;          ///< that occur in any value
   bool whole_ = true;
 };
 
