@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <regex>
 
 #include "apps/edges/fit_parameters.h"
 #include "apps/sensor/sensor_chain.h"
@@ -124,6 +125,17 @@ mtf::io::SensorConfig without_key(mtf::io::SensorConfig sensor, const std::strin
   return read_again(mtf::io::without_value(sensor, key), sensor);
 }
 
+mtf::io::SensorConfig with_lag(mtf::io::SensorConfig sensor, const Characterization& camera) {
+  const Finding *const share = camera.find("lag_share"), *const time = camera.find("lag_time_constant");
+  if (is_set(time)) return mtf::io::replaced(sensor, "lag.time_constant", value_with_error(*time, " s"));
+  const mtf::SettingsTable* const table = find_table(sensor.tables, "lag");
+  if (table == nullptr || share == nullptr || share->verdict != calib::Verdict::upper_limit) return sensor;
+  std::string text =
+      table->find("time_constant") != nullptr ? mtf::io::without_value(sensor, "lag.time_constant") : sensor.text;
+  // The table has no other key, and is nothing without this one.
+  return read_again(std::regex_replace(text, std::regex("(^|\n)[ \t]*\\[[ \t]*lag[ \t]*\\][^\n]*"), "$1"), sensor);
+}
+
 mtf::io::SensorConfig own_named(const mtf::io::SensorConfig& sensor, const std::string& destination) {
   if (sensor.files.empty()) return sensor;
   mtf::io::SensorConfig there = sensor;
@@ -221,7 +233,7 @@ CameraFile camera_file(const Characterization& camera, const StacksFile& stacks,
                              (is_set(corner) ? "corner = " + value_with_error(*corner, "") + "\n" : "");
     nominal = read_again(text, nominal);
   }
-  nominal = own_named(nominal, destination);
+  nominal = own_named(with_lag(std::move(nominal), camera), destination);
   if (maps) {
     for (const char* const key :
          {"nonuniformity.prnu", "nonuniformity.prnu_row", "nonuniformity.prnu_column", "nonuniformity.dsnu",

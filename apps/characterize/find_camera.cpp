@@ -7,6 +7,7 @@
 #include "apps/sensor/sensor_air.h"
 #include "mtf/error.h"
 #include "mtf/io/config/config_reader.h"
+#include "mtf/io/config/replace_value.h"
 #include "mtf/words.h"
 #include "radiometry/chain/sensor_settings.h"
 #include "radiometry/light/constants.h"
@@ -96,7 +97,18 @@ ReadStacks read_stacks(const StacksFile& file, const Nominal& nominal, int threa
                           .counts_time = file.has_times}};
   for (std::size_t i = 0; i < shapes.size(); ++i) {
     const StackEntry& entry = file.stacks[i];
-    read.stacks.push_back(read_stack(entry, shapes[i], file, source));
+    calib::Stack stack = read_stack(entry, shapes[i], file, source);
+    if (entry.step_s > 0.0) {
+      try {
+        if (!stack.is_usable())
+          throw mtf::UsageError(calib::clipped_words(stack) + "; choose less light, or an offset");
+        read.lag = {entry.name, entry.step_s, calib::fit_lag_step(stack.sums.frame_means)};
+      } catch (const mtf::UsageError& error) {
+        throw mtf::UsageError(entry.name + ": " + error.what());
+      }
+      continue;
+    }
+    read.stacks.push_back(std::move(stack));
     if (file.unit == LightUnit::irradiance) read.stacks.back().light *= photons * entry.time_s;
     if (!file.has_blackbodies()) calib::drop_planes(read.stacks);
   }
@@ -123,6 +135,12 @@ FoundCamera find_camera(const StacksFile& file, Nominal nominal, ReadStacks read
         destination, sensor_schema());
     mtf::io::cfg::require_no_errors(least.diagnostics, destination);
     nominal = std::move(least.config);
+  }
+  if (read.lag) {
+    calib::add_lag(read.lag->step, read.lag->frame_time_s, read.lag->name, found.camera);
+    const mtf::SettingsTable* frame = find_table(nominal->tables, "frame");
+    if (found.camera.find("lag_time_constant") && (frame == nullptr || frame->find("frame_time") == nullptr))
+      nominal = mtf::io::replaced(*nominal, "frame.frame_time", mtf::format_double(read.lag->frame_time_s) + " s");
   }
   found.name = nominal->system.name;
   found.bits = read.bits;

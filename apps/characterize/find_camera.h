@@ -12,13 +12,22 @@
 
 #include "apps/characterize/camera_file.h"
 #include "apps/characterize/stack_frames.h"
+#include "calib/characterize/lag_step.h"
 
 namespace apps {
+
+/// Of frames whose light steps.
+struct ReadLag {
+  std::string name;
+  double frame_time_s = 0.0;
+  calib::LagStep step{};
+};
 
 /// The stacks of a file, reduced.
 struct ReadStacks {
   std::vector<calib::Stack> stacks{};  ///< photons in place of irradiance
-  int bits = 0;                        ///< of the converter
+  std::optional<ReadLag> lag{};
+  int bits = 0;  ///< of the converter
   calib::CharacterizeOptions how;
   std::vector<std::string> warnings{};
 };

@@ -54,6 +54,8 @@ constexpr std::array kNumbers{
     NumberWords{"dead_fraction", "Part of the pixels whose response is below half of that of the others."},
     NumberWords{"flicker_octave", "Noise of a pixel that is 1/f from frame to frame: rms in each octave of frequency."},
     NumberWords{"flicker_corner", "Frequency, in cycles per frame, at which 1/f noise has the power of white noise."},
+    NumberWords{"lag_share", "Part of a step of the light by which the first frame after it falls short."},
+    NumberWords{"lag_time_constant", "Time in which what is left of a step falls to 1/e."},
     NumberWords{"sitf", "Signal transfer function: counts for a kelvin of a blackbody at the reference temperature."},
     NumberWords{"netd", "Noise equivalent temperature difference: temporal noise of pixels (tvh) over SiTF."},
     NumberWords{"noise_tvh", "Noise of pixels, from frame to frame (tvh)."},
