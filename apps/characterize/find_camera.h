@@ -20,7 +20,7 @@ namespace apps {
 struct ReadLag {
   std::string name;
   double frame_time_s = 0.0;
-  calib::LagStep step{};
+  std::vector<double> means{};  ///< counts
 };
 
 /// The stacks of a file, reduced.
@@ -31,6 +31,9 @@ struct ReadStacks {
   calib::CharacterizeOptions how;
   std::vector<std::string> warnings{};
 };
+
+/// Offset + K e by the counts of the converter: linear in the light.
+std::function<double(double)> linear_counts(const calib::PhotonTransfer& transfer);
 
 /// The converter's bits: of the stacks' file, else of the nominal. Throws UsageError where neither has them.
 int bits_of(const StacksFile& file, const std::optional<mtf::io::SensorConfig>& nominal);

@@ -47,7 +47,8 @@ struct PatternMaps {
 /// Throws UsageError where one of the planes is missing.
 PatternMaps pattern_maps(const calib::Characterization& camera, const std::vector<PatternPlane>& planes);
 
-/// A line a pixel: plane, x, y, excess, unit.
-std::string defects_csv(const std::vector<PatternPlane>& planes);
+/// A line a pixel: plane, x, y, excess, unit. Of pixels that are too noisy, as those that blink, the plane is "temporal
+/// noise" and the excess their rms.
+std::string defects_csv(const calib::Characterization& camera, const std::vector<PatternPlane>& planes);
 
 }  // namespace apps

@@ -99,7 +99,9 @@ void add_lag(const LagStep& step, double frame_time_s, const std::string& from, 
   const bool found = step.is_exponential && r > std::max(3.0, t) * step.kept.sd;
   if (!step.is_exponential) {
     share.verdict = Verdict::not_determined;
-    share.why = "the frames after the step do not follow one exponential: let the light step between two exposures";
+    share.why =
+        "the frames after the step do not follow one exponential: let the light step between two exposures, and "
+        "fit the response where it bends (nonlinearity)";
   } else if (!found) {
     share.verdict = Verdict::upper_limit;
     share.low95 = 0.0;

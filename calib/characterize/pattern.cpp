@@ -6,7 +6,6 @@
 #include <numbers>
 
 #include "calib/edge/median.h"
-#include "calib/fit/fit_report.h"
 #include "mtf/engines/statistics.h"
 #include "mtf/words.h"
 
@@ -102,9 +101,12 @@ double defect_limit(std::size_t count, const std::function<double(std::size_t)>&
   return kFar_sd * kMadToSd * median(sizes);
 }
 
-PlaneSquares plane_squares(mtf::ImageView<const float> plane, int trend) {
+PlaneSquares plane_squares(mtf::ImageView<const float> plane, int trend, const std::set<std::int64_t>& without) {
   const auto n = static_cast<std::size_t>(plane.width * plane.height), H = static_cast<std::size_t>(plane.width);
   std::vector<char> out(n, 0);
+  for (const std::int64_t place : without)
+    if (place >= 0 && place < std::ssize(out)) out[static_cast<std::size_t>(place)] = 1;
+  const std::vector<char> given = out;
   Lines lines = lines_of(plane, out);
   std::size_t left_out = 0;
   PlaneSquares result;
@@ -112,7 +114,7 @@ PlaneSquares plane_squares(mtf::ImageView<const float> plane, int trend) {
     const double far = result.far = defect_limit(n, [&](std::size_t i) { return residual(plane, lines, i); });
     std::size_t count = 0;
     for (std::size_t i = 0; i < n; ++i) {
-      out[i] = far > 0.0 && std::abs(residual(plane, lines, i)) > far ? 1 : 0;
+      out[i] = given[i] != 0 || (far > 0.0 && std::abs(residual(plane, lines, i)) > far) ? 1 : 0;
       count += static_cast<std::size_t>(out[i]);
     }
     if (count == left_out) break;
@@ -126,7 +128,7 @@ PlaneSquares plane_squares(mtf::ImageView<const float> plane, int trend) {
     const double r = residual(plane, lines, i), r2 = r * r;
     if (out[i] == 0)
       squares += r2, cubes += r2 * r, fourths += r2 * r2;
-    else
+    else if (std::abs(r) > result.far)
       result.defects.push_back({static_cast<std::int64_t>(i % H), static_cast<std::int64_t>(i / H), r});
   }
   const double V = result.rows, W = result.columns;
@@ -184,11 +186,7 @@ Pattern pattern_of(const PlaneSquares& plane, const std::vector<AveragedStack>& 
   Pattern result{
       .pixel = variance_component(pixel), .row = variance_component(row), .column = variance_component(column)};
   for (double* const value : {&result.pixel.variance, &result.pixel.low95, &result.pixel.high95}) *value -= rounding;
-  result.pixel.low95 =
-      result.pixel.variance - std::hypot(result.pixel.variance - result.pixel.low95, k95_sd * rounding_sd);
-  result.pixel.high95 =
-      result.pixel.variance + std::hypot(result.pixel.high95 - result.pixel.variance, k95_sd * rounding_sd);
-  result.pixel.sd = std::hypot(result.pixel.sd, rounding_sd);
+  widen(result.pixel, rounding_sd);
   // Of a given pattern a mean square is chi-square about it: variance (2 a^2 + 4 a b)/dof with a temporal and b fixed.
   const auto sd_array = [](double a, double mean_square, double dof, double divisor) {
     return std::sqrt((2.0 * a * a + 4.0 * a * std::max(0.0, mean_square - a)) / dof) / divisor;

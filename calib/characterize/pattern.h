@@ -20,6 +20,7 @@
 // 5 x 5 pixels of EMVA 1288 takes 4 % of white pixels and 20 % of rows and columns.)
 
 #include <functional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -53,7 +54,9 @@ struct PlaneSquares {
   }
 };
 /// `trend`: degree of the one that was removed from the plane, which took squares with it.
-PlaneSquares plane_squares(mtf::ImageView<const float> plane, int trend = 0);
+/// `without`: places along rows of pixels that take no part, as defects do.
+PlaneSquares plane_squares(mtf::ImageView<const float> plane, int trend = 0,
+                           const std::set<std::int64_t>& without = {});
 
 /// Adds a warning where one rms describes these pixels badly, as when they fall into two groups. The limits are a
 /// skewness of 1 and a kurtosis of 2 and 5, on planes so small that chance passes these five of its standard

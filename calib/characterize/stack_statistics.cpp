@@ -295,26 +295,26 @@ double StackStatistics::kept_variance(std::int64_t i) const {
 }
 
 PixelNoise StackStatistics::pixel_noise() const {
-  const auto n = static_cast<double>(pixels_kept());
+  const auto n = static_cast<double>(std::ssize(squares_));
   PixelNoise noise;
-  for (std::int64_t i = 0; i < pixels_kept(); ++i) noise.variance += kept_variance(i) / n;
+  for (std::int64_t i = 0; i < std::ssize(squares_); ++i) noise.variance += kept_variance(i) / n;
   double squares = 0.0;
-  for (std::int64_t i = 0; i < pixels_kept(); ++i) {
+  for (std::int64_t i = 0; i < std::ssize(squares_); ++i) {
     const double about_mean = kept_variance(i) - noise.variance;
     squares += about_mean * about_mean;
   }
   noise.variance_sd = std::sqrt(squares / (n - 1.0) / static_cast<double>(pixels()));
   if (frames_ > 2 && noise.variance > 0.0) {
-    const long double steps = pixel_steps_ / static_cast<long double>((frames_ - 1) * pixels_kept());
+    const long double steps = pixel_steps_ / static_cast<long double>((frames_ - 1) * std::ssize(squares_));
     noise.frame_correlation = static_cast<double>(1.0L - steps / (2.0L * noise.variance));
   }
   return noise;
 }
 
-std::int64_t StackStatistics::pixels_above(double variance) const {
-  std::int64_t above = 0;
-  for (std::int64_t i = 0; i < pixels_kept(); ++i) above += kept_variance(i) > variance ? 1 : 0;
-  return above;
+std::vector<float> StackStatistics::pixel_variances() const {
+  std::vector<float> variances;
+  for (std::int64_t i = 0; i < std::ssize(squares_); ++i) variances.push_back(static_cast<float>(kept_variance(i)));
+  return variances;
 }
 
 NoiseScales StackStatistics::noise_scales() const {
@@ -328,13 +328,6 @@ NoiseScales StackStatistics::noise_scales() const {
   for (const std::vector<float>& one : of_frames.squares(frames_))
     noise.frame.push_back(static_cast<double>(one.front()));
   return noise;
-}
-
-std::map<int, std::int64_t> StackStatistics::pixels_by_variance(double mean, double bin) const {
-  std::map<int, std::int64_t> number;
-  for (std::int64_t i = 0; i < pixels_kept(); ++i)
-    if (const double v = kept_variance(i); v > 0.0) ++number[static_cast<int>(std::lround(std::log(v / mean) / bin))];
-  return number;
 }
 
 std::uint32_t StackStatistics::step() const {

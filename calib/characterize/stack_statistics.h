@@ -19,7 +19,6 @@
 #include <array>
 #include <cstdint>
 #include <limits>
-#include <map>
 #include <span>
 #include <vector>
 
@@ -84,11 +83,9 @@ class StackStatistics {
   radiometry::MeanSquares mean_squares() const;
   Covariance covariance(Lag lag) const;  ///< at one of kLags
   PixelNoise pixel_noise() const;
-  /// Of the pixels whose squares are kept: those whose variance is above it, and how many there are.
-  std::int64_t pixels_above(double variance) const;
-  /// How many of them have a variance within half a bin of exp(bin k) times `mean`, by k.
-  std::map<int, std::int64_t> pixels_by_variance(double mean, double bin) const;
-  std::int64_t pixels_kept() const { return static_cast<std::int64_t>(squares_.size()); }
+  /// Temporal variances of the pixels whose squares are kept, those of every rows_apart()-th row.
+  std::vector<float> pixel_variances() const;
+  std::int64_t rows_apart() const { return every_; }
   /// The noise of pixels by the time over which it changes; of frames above half a million pixels in some of the rows.
   NoiseScales noise_scales() const;
 
