@@ -110,7 +110,7 @@ int run_characterize(const CharacterizeCommandOptions& options, const Global& gl
   };
   write_main(found.sensor.text);
   write("levels.csv", levels_csv(camera));
-  if (has_page) write("defects.csv", defects_csv(planes));
+  if (has_page) write("defects.csv", defects_csv(camera, planes));
   if (options.maps) {
     const PatternMaps maps = pattern_maps(camera, planes);
     mtf::io::write_exr(outputs.in("offset.exr"), {{"Y", maps.offset.view()}}, {});
