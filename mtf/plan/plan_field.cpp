@@ -137,7 +137,10 @@ Plan compile_over_field(const System<double>& given, const SampleGrid& in, const
       nothing.frame = system.frame;
       return compile_stages(nothing, stages, in, grid, exact, {});
     };
-    choice = choose_field_tiles({*field, axis, in, out, options, norms.norm, kModesShare * tolerance, interpolate});
+    if (field->has_kinks())
+      choice.candidate.reason = "the OTF has kinks over the field, where rims cut the pupil";
+    else
+      choice = choose_field_tiles({*field, axis, in, out, options, norms.norm, kModesShare * tolerance, interpolate});
     choice.candidate.cost_ms += mean_ms;
     choice.candidate.possible =
         choice.candidate.reason.empty() && choice.candidate.predicted.total() + total.predicted.total() <= tolerance;
