@@ -21,10 +21,11 @@
 namespace mtf {
 namespace {
 
-// Points along an axis of the image.
+// Points along an axis of the image, and along a line.
 constexpr std::array<std::size_t, 5> kPoints{3, 5, 9, 17, 25};
 constexpr std::size_t kLeastWithKinks = 9;
 constexpr double kWithKinks = 4.0;      // times the error that is enough, which points of the image meet slowly
+constexpr std::array<std::size_t, 6> kLinePoints{5, 9, 17, 33, 65, 129};
 constexpr std::size_t kProbes = 12;     // places between the points
 constexpr double kBetweenSafety = 4.0;  // few places are looked at, and errors of many pixels may add up
 constexpr double kModulusSafety = 1.2;  // largest modulus between the frequencies that are looked at
@@ -36,10 +37,10 @@ using Vector = Eigen::VectorXd;
 using Row = Eigen::RowVectorXd;
 using Eigen::Index;
 
-double evaluated(const std::vector<double>& series, std::size_t n, double tx, double ty) {
-  const std::vector<double> x = chebyshev(n, tx), y = chebyshev(n, ty);
+double evaluated(const std::vector<double>& series, std::size_t n, std::size_t rows, double tx, double ty) {
+  const std::vector<double> x = chebyshev(n, tx), y = chebyshev(rows, ty);
   double sum = 0.0;
-  for (std::size_t j = 0; j < n; ++j)
+  for (std::size_t j = 0; j < rows; ++j)
     for (std::size_t i = 0; i < n; ++i) sum += series[j * n + i] * y[j] * x[i];
   return sum;
 }
@@ -232,11 +233,25 @@ double scale(Mode& mode) {
   return largest;
 }
 
-void complete(Mode& mode, const Matrix& transform, const Matrix& basis, std::span<const std::array<double, 2>> probes) {
-  const Index n = transform.rows();
-  const Matrix series = transform * Eigen::Map<const Matrix>(mode.a.data(), n, n) * transform.transpose();
+/// Along an axis: from values at the points to a series, and its polynomials at places all along.
+struct AxisBasis {
+  Matrix transform, everywhere;
+
+  explicit AxisBasis(std::size_t n) : transform(Matrix::Ones(1, 1)), everywhere(Matrix::Ones(1, 1)) {
+    if (n == 1) return;
+    const int places = n > kPoints.back() ? 4 * static_cast<int>(n) : 32;
+    transform = to_series(n);
+    everywhere.resize(static_cast<Index>(n), places + 1);
+    for (int i = 0; i <= places; ++i)
+      everywhere.col(i) = Eigen::Map<const Vector>(chebyshev(n, 2.0 * i / places - 1.0).data(), everywhere.rows());
+  }
+};
+
+void complete(Mode& mode, const AxisBasis& x, const AxisBasis& y, std::span<const std::array<double, 2>> probes) {
+  const Index n = x.transform.rows(), rows = y.transform.rows();
+  const Matrix series = x.transform * Eigen::Map<const Matrix>(mode.a.data(), n, rows) * y.transform.transpose();
   mode.series.assign(series.data(), series.data() + series.size());
-  const Matrix over = basis.transpose() * series * basis;
+  const Matrix over = x.everywhere.transpose() * series * y.everywhere;
   mode.everywhere.resize(over.size() + mode.a.size());
   mode.everywhere << Eigen::Map<const Vector>(over.data(), over.size()), mode.a;
   const double largest = scale(mode);
@@ -244,7 +259,7 @@ void complete(Mode& mode, const Matrix& transform, const Matrix& basis, std::spa
   mode.at_probes.resize(static_cast<Index>(probes.size()));
   for (std::size_t i = 0; i < probes.size(); ++i)
     mode.at_probes(static_cast<Index>(i)) =
-        evaluated(mode.series, static_cast<std::size_t>(n), probes[i][0], probes[i][1]);
+        evaluated(mode.series, static_cast<std::size_t>(n), static_cast<std::size_t>(rows), probes[i][0], probes[i][1]);
 }
 
 /// The bound of a sum of modes that are left out, with three choices of c for weights of at most 1.
@@ -295,8 +310,11 @@ FieldModes::FieldModes(const System<double>& given, const SampleGrid& in, const 
     probes_.push_back({2.0 * std::fmod(0.5 + k * 0.7548776662466927, 1.0) - 1.0,
                        2.0 * std::fmod(0.5 + k * 0.5698402909980532, 1.0) - 1.0});
   }
-  std::vector<FieldPoint<double>> outline = places(kPoints.back());
-  const std::vector<FieldPoint<double>> others = places(kPoints[kPoints.size() - 2]);
+  const std::vector<std::size_t> points =
+      options.line ? std::vector(kLinePoints.begin(), kLinePoints.end()) : std::vector(kPoints.begin(), kPoints.end());
+  const auto rows_of = [&](std::size_t n) { return options.line ? 1 : n; };
+  std::vector<FieldPoint<double>> outline = places(points.back(), rows_of(points.back()));
+  const std::vector<FieldPoint<double>> others = places(points[points.size() - 2], rows_of(points[points.size() - 2]));
   outline.insert(outline.end(), others.begin(), others.end());
   for (const FieldPoint<double>& q : outline) try {
       require_valid(system.at(q));
@@ -321,14 +339,14 @@ FieldModes::FieldModes(const System<double>& given, const SampleGrid& in, const 
     }
   if (tables.is_parted())  // between the nodes of a grid there may be no pixels
     for (auto& [tx, ty] : probes_) tx = x_.place(std::round(x_.pixel(tx))), ty = y_.place(std::round(y_.pixel(ty)));
-  for (const std::size_t n : kPoints)
-    if (n >= (tables.is_parted() ? kLeastWithKinks : 0) && make(tables, at, rms, n)) break;
+  for (const std::size_t n : points)
+    if (n >= (tables.is_parted() ? kLeastWithKinks : 0) && make(tables, at, rms, n, n == points.back())) break;
 }
 
-std::vector<FieldPoint<double>> FieldModes::places(std::size_t n) const {
+std::vector<FieldPoint<double>> FieldModes::places(std::size_t n, std::size_t rows) const {
   std::vector<FieldPoint<double>> list;
   const std::vector<double> nodes = Barycentric::with_ends(n).x;
-  for (const double ty : nodes)
+  for (const double ty : rows == 1 ? std::vector{0.0} : nodes)
     for (const double tx : nodes) list.push_back({x_.at(tx), y_.at(ty)});
   for (const auto& [tx, ty] : probes_) list.push_back({x_.at(tx), y_.at(ty)});
   list.push_back({});  // the axis
@@ -368,14 +386,15 @@ void FieldModes::project(std::vector<Mode>& modes, const FieldTables& tables, co
   }
 }
 
-/// True when more points of the image are not needed.
-bool FieldModes::make(FieldTables& tables, const Frequencies& at, const Rms& rms, std::size_t n) {
+/// True when more points of the image are not needed, or there are none.
+bool FieldModes::make(FieldTables& tables, const Frequencies& at, const Rms& rms, std::size_t n, bool last) {
   const FieldModesOptions& options = rms.options;
+  const std::size_t rows = options.line ? 1 : n;
   n_ = n;
-  const std::vector<FieldPoint<double>> places = this->places(n);
+  const std::vector<FieldPoint<double>> places = this->places(n, rows);
   points_ = places.size();
   tables.prepare(places);
-  const auto count = static_cast<Index>(n * n), all = static_cast<Index>(places.size());
+  const auto count = static_cast<Index>(n * rows), all = static_cast<Index>(places.size());
   std::array<Matrix, 4> d;  // parts at the places
   for (Matrix& part : d) part.resize(all, at.count());
   parallel_for(all, 1, options.threads, [&](std::int64_t begin, std::int64_t end) {
@@ -389,10 +408,10 @@ bool FieldModes::make(FieldTables& tables, const Frequencies& at, const Rms& rms
   });
 
   // Deviations from the mean over the image.
-  const std::vector<double> one = mean_weights(n);
+  const std::vector<double> one = mean_weights(n), other = rows == 1 ? std::vector{1.0} : one;
   Vector weight(count);
-  for (std::size_t j = 0; j < n; ++j)
-    for (std::size_t i = 0; i < n; ++i) weight(static_cast<Index>(j * n + i)) = one[i] * one[j];
+  for (std::size_t j = 0; j < rows; ++j)
+    for (std::size_t i = 0; i < n; ++i) weight(static_cast<Index>(j * n + i)) = one[i] * other[j];
   std::array<Row, 4> mean;
   for (std::size_t p = 0; p < d.size(); ++p) {
     mean[p] = weight.transpose() * d[p].topRows(count);
@@ -410,15 +429,11 @@ bool FieldModes::make(FieldTables& tables, const Frequencies& at, const Rms& rms
     }
   std::stable_sort(modes.begin(), modes.end(), [](const Mode& a, const Mode& b) { return a.power > b.power; });
   while (modes.size() > 1 && !(modes.back().power > kNoise * kNoise * modes.front().power)) modes.pop_back();
-  constexpr int kGrid = 32;
-  Matrix basis(static_cast<Index>(n), kGrid + 1);
-  for (int i = 0; i <= kGrid; ++i)
-    basis.col(i) = Eigen::Map<const Vector>(chebyshev(n, 2.0 * i / kGrid - 1.0).data(), basis.rows());
-  const Matrix transform = to_series(n);
+  const AxisBasis in_x(n), in_y(rows);
   if (tables.is_parted())
     project(modes, tables, at, some, options.threads);
   else
-    for (Mode& mode : modes) complete(mode, transform, basis, probes_);
+    for (Mode& mode : modes) complete(mode, in_x, in_y, probes_);
 
   // What it costs to leave modes out, from the least on, or all of them and the mean as well.
   const Index grid = modes.empty() ? 1 : modes.front().everywhere.size();
@@ -443,9 +458,9 @@ bool FieldModes::make(FieldTables& tables, const Frequencies& at, const Rms& rms
     between_ = std::max(between_, kBetweenSafety * error);
   }
   band_ = options.worst_unit * tables.band_error();
-  between_ += options.worst_unit * (tables.is_parted() ? 1.0 : std::pow(lebesgue(n), 2)) * tables.error() + band_;
-  const bool done = between_ <= (tables.is_parted() ? kWithKinks : 1.0) * options.enough || n == kPoints.back() ||
-                    tables.is_dear(4 * n * n);
+  between_ += options.worst_unit * (tables.is_parted() ? 1.0 : lebesgue(n) * lebesgue(rows)) * tables.error() + band_;
+  const bool done = between_ <= (tables.is_parted() ? kWithKinks : 1.0) * options.enough || last ||
+                    tables.is_dear(options.line ? 2 * n : 4 * n * n);
   if (!done) return false;
 
   // The tables of the mean and of the modes that may be asked for.
@@ -499,10 +514,10 @@ bool FieldModes::make(FieldTables& tables, const Frequencies& at, const Rms& rms
   for (std::size_t k = 1; k < factors_.size(); ++k) {
     std::vector<float>& along = rows_.emplace_back(n * static_cast<std::size_t>(y_.count));
     for (std::int64_t y = 0; y < y_.count; ++y) {
-      const std::vector<double> values = chebyshev(n, place_y(static_cast<double>(y)));
+      const std::vector<double> values = chebyshev(rows, place_y(static_cast<double>(y)));
       for (std::size_t i = 0; i < n; ++i) {
         double sum = 0.0;
-        for (std::size_t j = 0; j < n; ++j) sum += series(k)[j * n + i] * values[j];
+        for (std::size_t j = 0; j < rows; ++j) sum += series(k)[j * n + i] * values[j];
         along[static_cast<std::size_t>(y) * n + i] = static_cast<float>(sum);
       }
     }

@@ -40,6 +40,7 @@ struct FieldModesOptions {
   double part_gain = 1.0;  ///< factor on both for an error of one parity, whose square is as symmetric as the canvas
   double enough = 0.0;     ///< an rms error for which no more points are taken
   double reach = 1.0;      ///< OTFs are wanted up to that many times the scene's Nyquist frequencies
+  bool line = false;       ///< of one parameter alone, which the x of the field stands for: points along one row
   int threads = 0;
   OtfProgress progress = {};
 };
@@ -79,9 +80,10 @@ class FieldModes {
     double rms = 0.0;
   };
   const std::vector<Measure>& measures() const { return measures_; }
-  /// Whether OTFs have kinks over the image, where weights are no polynomials, and there is no
+  /// Whether OTFs have kinks over the image, where weights are no polynomials, and there is no series.
   bool has_kinks() const { return grid_x_.nodes() > 0; }
-  /// weight of a mode as a Chebyshev series, [y][x] of as many terms each as this; its variables are
+  /// The weight of a mode as a Chebyshev series, [y][x] of as many terms each as this (of a line along x alone); its
+  /// variables are
   std::size_t terms() const { return n_; }
   const std::vector<double>& series(std::size_t mode) const { return series_.at(mode - 1); }
   /// the places of pixels, -1 .. 1.
@@ -105,11 +107,11 @@ class FieldModes {
     double at(double t) const { return 0.5 * ((1.0 - t) * first + (1.0 + t) * last()); }  // t in -1 .. 1
   };
   /// Those at which OTFs are made with n points along an axis: the points, places between them, and the optical axis.
-  std::vector<FieldPoint<double>> places(std::size_t n) const;
+  std::vector<FieldPoint<double>> places(std::size_t n, std::size_t rows) const;
   std::vector<float> grid_row(std::span<const float> values, double y) const;
   void project(std::vector<Mode>& modes, const FieldTables& tables, const Frequencies& at,
                std::span<const std::ptrdiff_t> some, int threads) const;
-  bool make(FieldTables& tables, const Frequencies& at, const Rms& rms, std::size_t n);
+  bool make(FieldTables& tables, const Frequencies& at, const Rms& rms, std::size_t n, bool last);
 
   Line x_, y_;
   std::size_t n_ = 0, points_ = 0;  ///< points along an axis

@@ -101,6 +101,74 @@ TEST_F(SimulateCall, GivesThePixelsOfTheCommand) {
   }
 }
 
+// Far from the step between two ranges the image is that of a camera which is out of focus by the one or the other.
+TEST_F(SimulateCall, DefocusGoesByTheRangeOfEachSample) {
+  constexpr std::int64_t kSide = 96;
+  const Image plane = pattern(5.0, 1.0, kSide), warm = pattern(300.0, 3.0, kSide);
+  Image depth(kSide, kSide);
+  for (std::int64_t y = 0; y < kSide; ++y)
+    for (std::int64_t x = 0; x < kSide; ++x)
+      depth.at(x, y) = x < kSide / 2 ? 50.0F : std::numeric_limits<float>::infinity();
+  const auto write = [&](const std::string& name, const Image& scene, const char* quantity) {
+    mtf::io::Metadata metadata;
+    metadata.text["mtf:quantity"] = quantity;
+    mtf::io::write_exr((scratch / name).string(), {{"Y", scene.view()}, {"Z", depth.view()}}, metadata);
+  };
+  write("deep.exr", plane, "radiance");
+  write("warm.exr", warm, "temperature");
+  const auto with_pupil = [&](const std::string& from, const std::string& keys) {
+    const std::string name = "pupil_" + from;
+    write_file(scratch / name,
+               replaced(read_file(scratch / from), "kind = \"diffraction\"", "kind = \"defocus\"\n" + keys + "\n#"));
+    return sensor(name);
+  };
+  const std::string by_range = "distance = \"range\"\nfocus = \"50 m\"";
+  const mtf::io::SensorConfig linear = with_pupil("sensor.toml", by_range);
+  const auto image = [&](const mtf::io::SensorConfig& config) {
+    SimulateResult result = apps::simulate(config, file("deep.exr"), {.tolerance = 1e-4});
+    EXPECT_LE(result.report.plan->predicted_error, 1e-4);
+    return std::move(result.images.at(0).planes.at(0));
+  };
+  const Image seen = image(linear), in_focus = image(with_pupil("sensor.toml", "waves = 0.0")),
+              sky = image(with_pupil("sensor.toml", "distance = \"-200 um\""));  // - F^2 / 50 m
+  ASSERT_EQ(seen.width(), kSide / 4);
+  double apart = 0.0;
+  for (std::int64_t y = 0; y < seen.height(); ++y)
+    for (std::int64_t x = 0; x < 3; ++x) {
+      EXPECT_NEAR(seen.at(x, y), in_focus.at(x, y), 5e-3);  // the tails of the diffraction reach across the step
+      EXPECT_NEAR(seen.at(kSide / 4 - 1 - x, y), sky.at(kSide / 4 - 1 - x, y), 5e-3);
+      apart = std::max(apart, std::abs(static_cast<double>(in_focus.at(x, y) - sky.at(x, y))));
+    }
+  EXPECT_GT(apart, 5e-2);
+  const SimulateResult report = apps::simulate(linear, file("deep.exr"), {.tolerance = 1e-3});
+  EXPECT_GT(report.report.plan->presample.report().field.modes, 0U);
+  const Json json = Json::parse(to_json(report.report));
+  EXPECT_TRUE(json["plan"]["field"]["range_m"][1].is_null());  // infinity
+  // Through the whole chain to counts, by the light of the band.
+  const SimulateResult counts = apps::simulate(with_pupil("camera.toml", by_range), file("warm.exr"));
+  EXPECT_EQ(counts.report.unit(), "counts");
+  EXPECT_GT(counts.report.plan->presample.report().field.modes, 0U);
+  EXPECT_EQ(counts.images.at(0).planes.at(0).width(), kSide / 2);
+  // The same with the ranges beside a scene in memory; and what cannot be.
+  SceneSource beside = in_memory(plane.clone(), mtf::io::Quantity::radiance);
+  const auto refused = [&](SceneSource source, SimulateOptions options, std::initializer_list<std::string_view> parts) {
+    expect_refused(parts, [&] { apps::simulate(linear, std::move(source), options); });
+  };
+  refused(clone(beside), {}, {"presample[0].focus", "'Z'"});
+  beside.beside.emplace("Z", depth.clone());
+  EXPECT_TRUE(same_pixels(apps::simulate(linear, clone(beside), {.tolerance = 1e-4}).images.at(0).planes.at(0), seen));
+  beside.beside.insert_or_assign("Z", Image(kSide, 4));
+  refused(std::move(beside), {}, {"channel Z", "96x4"});
+  refused(file("scene.exr"), {}, {"presample[0].focus", "channel Z"});
+  refused(file("deep.exr"), {.memory = kMemory}, {"--memory", "presample[0].focus"});
+  refused(file("deep.exr"), {.nan = apps::NanPolicy::propagate}, {"presample[0].focus", "--nan fill"});
+  refused(file("deep.exr"), {.frames = apps::FrameRange{0, 1, 1}}, {"presample[0].focus", "one image"});
+  apps::LiveSimulation live(file("deep.exr"), {.tolerance = 1e-3});
+  expect_refused({"presample[0].focus"}, [&] { static_cast<void>(live.image(linear, 0)); });
+  const SimulateResult part = apps::simulate(linear, file("deep.exr"), {.tolerance = 1e-4, .region = {{2, 3, 7, 5}}});
+  EXPECT_EQ(part.images.at(0).planes.at(0).at(6, 4), seen.at(8, 7));
+}
+
 TEST_F(SimulateCall, GivesTheCountsOfTheCommand) {
   const Image expected = of_command("camera.toml thermal.exr -o out.exr");
   const SimulateResult result = apps::simulate(sensor("camera.toml"), temperatures());

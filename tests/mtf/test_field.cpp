@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // OTFs over the field of view: field points and OTFs against golden values, images against the definition, pixel by
 // pixel: each sees what the isoplanatic sensor with that pixel's OTF would see.
-#include <filesystem>
-#include <fstream>
 #include <map>
 #include <random>
 #include <set>
-#include <sstream>
 
 #include "mtf/components/pupil/cut_pupil.h"
 #include "mtf/engines/fft/scene_spectrum.h"
@@ -14,46 +11,13 @@
 #include "mtf/field/throughput.h"
 #include "mtf/plan/sensor_plan.h"
 #include "mtf/tiles/tiles.h"
-#include "tests/csv_fields.h"
 #include "tests/expect_error.h"
+#include "tests/mtf/field_golden.h"
 #include "tests/mtf/field_systems.h"
 #include "tests/mtf/plan_support.h"
 
 namespace mtf::test {
 namespace {
-
-struct Golden {
-  std::string kind, quantity, where, parameters;
-  double value = 0.0;
-};
-
-std::vector<Golden> golden(const std::string& kind) {
-  const char* chosen = std::getenv("MTFKIT_SHARED");
-  const std::filesystem::path shared = chosen != nullptr
-                                           ? std::filesystem::path(chosen)
-                                           : std::filesystem::path(__FILE__).parent_path() / "../../../shared";
-  std::ifstream file(shared / "data/field/golden_field.csv");
-  std::vector<Golden> rows;
-  std::string line;
-  std::getline(file, line);
-  while (std::getline(file, line)) {
-    const std::vector<std::string> c = fields_of(line);
-    if (c.size() == 6 && c[1] == kind) rows.push_back({c[1], c[2], c[3], c[4], std::stod(c[5])});
-  }
-  return rows;
-}
-
-/// The numbers of "q=(0.8,0.6);nu=(0.1,0)" in their order.
-std::vector<double> numbers_in(const std::string& text) {
-  std::vector<double> numbers;
-  for (const char* at = text.c_str(); *at != 0;) {
-    char* end = nullptr;
-    const double number = std::strtod(at, &end);
-    if (end != at) numbers.push_back(number);
-    at = end != at ? end : at + 1;
-  }
-  return numbers;
-}
 
 /// The definition at a pixel.
 double reference_at(const System<double>& system, const Image& scene, const SampleGrid& in, const SampleGrid& out,

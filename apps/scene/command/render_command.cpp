@@ -28,6 +28,7 @@
 #include "apps/text/message_words.h"
 #include "mtf/engines/statistics.h"
 #include "mtf/error.h"
+#include "mtf/field/sample_ranges.h"
 #include "mtf/image.h"
 #include "mtf/io/config/config.h"
 #include "mtf/work/stopwatch.h"
@@ -312,6 +313,9 @@ std::string render_pictures(const RenderCommandOptions& options, const Global& g
                             .tolerance = options.tolerance,
                             .layers = layers_of(options.layers),
                             .threads = global.threads};
+  how.layers.range = how.layers.range || std::ranges::any_of(sensors, [](const PictureSensor& sensor) {
+                       return mtf::entry_by_range(sensor.config.system).has_value();
+                     });
   if (!options.from.empty()) how.points = 1;  // a value a sample
   PictureScene scene;
   render::RenderedFrame frame;
