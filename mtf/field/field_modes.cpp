@@ -24,7 +24,7 @@ namespace {
 // Points along an axis of the image, and along a line.
 constexpr std::array<std::size_t, 5> kPoints{3, 5, 9, 17, 25};
 constexpr std::size_t kLeastWithKinks = 9;
-constexpr double kWithKinks = 4.0;      // times the error that is enough, which points of the image meet slowly
+constexpr double kWithKinks = 4.0;  // times the error that is enough, which points of the image meet slowly
 constexpr std::array<std::size_t, 6> kLinePoints{5, 9, 17, 33, 65, 129};
 constexpr std::size_t kProbes = 12;     // places between the points
 constexpr double kBetweenSafety = 4.0;  // few places are looked at, and errors of many pixels may add up
