@@ -225,7 +225,7 @@ std::vector<Mode> modes_of(OtfPart part, const Matrix& d, const Vector& weight, 
 }
 
 /// Scales a mode so that the largest of its weights over the image is 1; returns by how much.
-double scale(Mode& mode) {
+double scale_to_one(Mode& mode) {
   const double largest = 1.02 * std::max(mode.everywhere.cwiseAbs().maxCoeff(), 1e-300);
   mode.everywhere /= largest;
   mode.sum *= largest;
@@ -254,7 +254,7 @@ void complete(Mode& mode, const AxisBasis& x, const AxisBasis& y, std::span<cons
   const Matrix over = x.everywhere.transpose() * series * y.everywhere;
   mode.everywhere.resize(over.size() + mode.a.size());
   mode.everywhere << Eigen::Map<const Vector>(over.data(), over.size()), mode.a;
-  const double largest = scale(mode);
+  const double largest = scale_to_one(mode);
   for (double& c : mode.series) c /= largest;
   mode.at_probes.resize(static_cast<Index>(probes.size()));
   for (std::size_t i = 0; i < probes.size(); ++i)
@@ -376,7 +376,7 @@ void FieldModes::project(std::vector<Mode>& modes, const FieldTables& tables, co
   for (std::size_t k = 0; k < modes.size(); ++k) {
     Mode& mode = modes[k];
     mode.everywhere = weights.col(static_cast<Index>(k)).array() - mode.of_mean;
-    scale(mode);
+    scale_to_one(mode);
     const Eigen::VectorXf values = mode.everywhere.cast<float>();
     mode.at_probes.resize(std::ssize(probes_));
     for (std::size_t i = 0; i < probes_.size(); ++i)

@@ -14,17 +14,19 @@ namespace {
 using Matrix = Eigen::MatrixXd;
 using Eigen::Index;
 
-constexpr Index kFiner = 8;  // angles to each at which tables are looked at: cubics between them err by 1e-5 of the
-                             // highest order and less of others
+constexpr Index kFinerAngles = 8;  // angles to each at which tables are looked at: cubics between them err by 1e-5 of
+                                   // the highest order and less of others
 
-/// From values at n even angles about the circle to kFiner n: the trigonometric polynomial through them.
+/// From values at n even angles about the circle to kFinerAngles n: the trigonometric polynomial through them.
 Matrix finer_angles(Index n) {
-  Matrix to(kFiner * n, n);
+  Matrix to(kFinerAngles * n, n);
   for (Index i = 0; i < to.rows(); ++i)
     for (Index j = 0; j < n; ++j) {
-      const double away = kPi * (static_cast<double>(i) / static_cast<double>(kFiner) - static_cast<double>(j));
+      const double away = kPi * (static_cast<double>(i) / static_cast<double>(kFinerAngles) - static_cast<double>(j));
       const double turn = std::tan(away / static_cast<double>(n));  // Dirichlet's kernel of an even number
-      to(i, j) = i == kFiner * j ? 1.0 : i % kFiner == 0 ? 0.0 : std::sin(away) / (static_cast<double>(n) * turn);
+      to(i, j) = i == kFinerAngles * j   ? 1.0
+                 : i % kFinerAngles == 0 ? 0.0
+                                         : std::sin(away) / (static_cast<double>(n) * turn);
     }
   return to;
 }
@@ -66,7 +68,7 @@ Matrix radial_weights(const FieldTables& tables, std::span<const Freq<double>> f
   Matrix weights(static_cast<Index>(modes.size()), static_cast<Index>(places.size()));
   parallel_for_each(std::ssize(places), 256, threads, [&](std::int64_t i) {
     const FieldPoint<double>& q = places[static_cast<std::size_t>(i)];
-    const Index all = kFiner * angles;
+    const Index all = kFinerAngles * angles;
     const double position = (std::atan2(q.y, q.x) / (2.0 * kPi) + 1.0) * static_cast<double>(all);
     const auto first = static_cast<Index>(position);
     const std::array<double, 4> cubic = cubic_weights(position - static_cast<double>(first));
