@@ -90,15 +90,22 @@ LagStep fit_lag_step(const std::vector<double>& means) {
   const double seen = s.residuals > 0.0 ? products / s.residuals : 0.0;
   const double lasts = std::clamp(seen + (3.0 + 4.0 * std::max(0.0, seen)) / n, 0.0, kMostLasting);  // less biased
   const double of_before = noise_before / static_cast<double>(first) * (1.0 + lasts) / (1.0 - lasts);
+  // Light has noise of its own, of which the first frames after a step to less of it have a part.
+  const double of_light = std::max(0.0, noise_before - noise_late);
   double bb = 0.0, rr = 0.0, sum_b = 0.0, sum_r = 0.0;  // of all before, by their correlation
+  double light = of_light * std::abs(r), light_b = 0.0, light_r = 0.0, light_sum = 0.0;
   for (std::size_t i = 0; i < left.size(); ++i) {
     bb += by_b[i] * (by_b[i] + 2.0 * lasts * sum_b);
     rr += by_r[i] * (by_r[i] + 2.0 * lasts * sum_r);
+    light_b += light * by_b[i] * by_b[i];
+    light_r += light * by_r[i] * by_r[i];
+    light_sum += light;
+    light *= std::abs(r);
     sum_b = lasts * sum_b + by_b[i];
     sum_r = lasts * sum_r + by_r[i];
   }
-  step.after = {B, std::sqrt(noise * bb + b_by_a * b_by_a * of_before)};
-  step.kept = {r, std::sqrt(noise * rr + r_by_a * r_by_a * of_before)};
+  step.after = {B, std::sqrt(noise * bb + light_b + b_by_a * b_by_a * of_before)};
+  step.kept = {r, std::sqrt(noise * rr + light_r + r_by_a * r_by_a * of_before)};
   // Differences of n numbers have two thirds of n degrees of freedom.
   step.is_exponential = std::isfinite(r) && std::isfinite(step.kept.sd) &&
                         noise <= noise_late / (1.0 - lasts) *

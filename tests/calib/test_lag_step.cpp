@@ -19,9 +19,9 @@ namespace {
 using Engine = std::mt19937_64;
 
 /// Means of frames before and after a step from 4000 to 100 counts, each with noise of 0.3, of which successive ones
-/// share `memory` as blinking pixels make them.
+/// share `memory` as blinking pixels make them, and with that of the light, `light` counts before the step.
 std::vector<double> means_of(double kept, Engine& engine, int before = 12, int after = 40, double other = 0.0,
-                             double within = 0.0, double memory = 0.0) {
+                             double within = 0.0, double memory = 0.0, double light = 0.0) {
   std::normal_distribution<double> noise(0.0, 0.3);
   double lasts = noise(engine);
   std::vector<double> means;
@@ -31,7 +31,8 @@ std::vector<double> means_of(double kept, Engine& engine, int before = 12, int a
       part = part * kept + (t == before ? within * (1.0 - kept) : 0.0);
       slow *= 0.95;
     }
-    means.push_back(100.0 + 3900.0 * (t < before ? 1.0 : (1.0 - other) * part + other * slow) + lasts);
+    means.push_back(100.0 + 3900.0 * (t < before ? 1.0 : (1.0 - other) * part + other * slow) + lasts +
+                    light * std::sqrt(t < before ? 1.0 : part) * noise(engine));
     lasts = memory * lasts + std::sqrt(1.0 - memory * memory) * noise(engine);
   }
   return means;
@@ -51,7 +52,8 @@ TEST(LagStep, IntervalsHoldAsStated) {
     int exponential = 0;
     for (std::uint64_t draw = 0; draw < 120; ++draw) {
       Engine engine(100 + draw);
-      const Characterization camera = found_of(means_of(kept, engine, 12, 40, 0.0, 0.0, memory));
+      const Characterization camera =
+          found_of(means_of(kept, engine, 12, 40, 0.0, 0.0, memory, memory > 0.0 ? 4.0 : 0.0));
       const Finding& share = *camera.find("lag_share");
       exponential += share.verdict != Verdict::not_determined ? 1 : 0;
       EXPECT_EQ(share.verdict == Verdict::upper_limit, kept == 0.0) << share.why;
