@@ -12,7 +12,7 @@
 namespace calib {
 namespace {
 
-constexpr double kMisfit = 0.999;
+constexpr double kMisfit = 0.999, kMostLasting = 0.9;
 
 /// Variance of numbers from the differences of neighbours, which a slow change hardly raises.
 double variance_of_steps(std::span<const double> values) {
@@ -73,17 +73,44 @@ LagStep fit_lag_step(const std::vector<double>& means) {
     if (done) break;
   }
   const NormalSums s = sums_of(after, step.before, B, r);
-  const double D = s.determinant();
-  step.dof = static_cast<double>(count) - 2.0;
-  const double noise = s.residuals / step.dof, of_before = noise_before / static_cast<double>(first);
+  const double D = s.determinant(), n = static_cast<double>(count);
+  step.dof = n - 2.0;
+  const double noise = s.residuals / step.dof;
   const double b_by_a = (s.rr * s.ba - s.br * s.ra) / D, r_by_a = (s.bb * s.ra - s.br * s.ba) / D;
-  step.after = {B, std::sqrt(noise * s.rr / D + b_by_a * b_by_a * of_before)};
-  step.kept = {r, std::sqrt(noise * s.bb / D + r_by_a * r_by_a * of_before)};
+  // What each frame makes of B and r, and the noise of successive ones as it is correlated.
+  std::vector<double> by_b, by_r, left;
+  for (double power = r, before = 1.0, k = 1.0; by_b.size() < after.size(); before = power, power *= r, k += 1.0) {
+    const double of_b = 1.0 - power, of_r = (step.before - B) * k * before;
+    by_b.push_back((s.rr * of_b - s.br * of_r) / D);
+    by_r.push_back((s.bb * of_r - s.br * of_b) / D);
+    left.push_back(after[left.size()] - B - (step.before - B) * power);
+  }
+  double products = 0.0;
+  for (std::size_t i = 1; i < left.size(); ++i) products += left[i] * left[i - 1];
+  const double seen = s.residuals > 0.0 ? products / s.residuals : 0.0;
+  const double lasts = std::clamp(seen + (3.0 + 4.0 * std::max(0.0, seen)) / n, 0.0, kMostLasting);  // less biased
+  const double of_before = noise_before / static_cast<double>(first) * (1.0 + lasts) / (1.0 - lasts);
+  // Light has noise of its own, of which the first frames after a step to less of it have a part.
+  const double of_light = std::max(0.0, noise_before - noise_late);
+  double bb = 0.0, rr = 0.0, sum_b = 0.0, sum_r = 0.0;  // of all before, by their correlation
+  double light = of_light * std::abs(r), light_b = 0.0, light_r = 0.0, light_sum = 0.0;
+  for (std::size_t i = 0; i < left.size(); ++i) {
+    bb += by_b[i] * (by_b[i] + 2.0 * lasts * sum_b);
+    rr += by_r[i] * (by_r[i] + 2.0 * lasts * sum_r);
+    light_b += light * by_b[i] * by_b[i];
+    light_r += light * by_r[i] * by_r[i];
+    light_sum += light;
+    light *= std::abs(r);
+    sum_b = lasts * sum_b + by_b[i];
+    sum_r = lasts * sum_r + by_r[i];
+  }
+  step.after = {B, std::sqrt(noise * bb + light_b + b_by_a * b_by_a * of_before)};
+  step.kept = {r, std::sqrt(noise * rr + light_r + r_by_a * r_by_a * of_before)};
   // Differences of n numbers have two thirds of n degrees of freedom.
-  step.is_exponential =
-      std::isfinite(r) && std::isfinite(step.kept.sd) &&
-      noise <= noise_late * f_quantile(kMisfit, step.dof, 2.0 / 3.0 * static_cast<double>(late.size())) +
-                   1e-13 * (step.before - B) * (step.before - B);
+  step.is_exponential = std::isfinite(r) && std::isfinite(step.kept.sd) &&
+                        noise <= noise_late / (1.0 - lasts) *
+                                         f_quantile(kMisfit, step.dof, 2.0 / 3.0 * static_cast<double>(late.size())) +
+                                     1e-13 * (step.before - B) * (step.before - B);
   return step;
 }
 

@@ -5,9 +5,11 @@
 // sensor file has it (radiometry/stages/detector/lag.h) the mean of frame k = 1, 2 ... after the step is
 //   y = B + (A - B) r^k,   r = exp(-frame time / time constant)
 // A is the mean of the frames before, B and r follow from those after it by least squares. Their errors are those of
-// the scatter of frames before the step and of the residuals after it, limits by Student's t. Frames of another course,
-// as after a step within an exposure, or with two time constants, have residuals larger than the differences of
-// successive frames late after the step make (F). Light that fades looks as lag does: a shutter steps, a lamp does not.
+// the scatter of frames before the step and of the residuals after it, with the correlation of successive ones, which
+// blinking pixels and 1/f noise make, and the noise of the light of which the first frames have a part; limits by
+// Student's t. Frames of another course, as after a step within an
+// exposure, or with two time constants, have residuals larger than the differences of successive frames late after the
+// step make (F). Light that fades looks as lag does: a shutter steps, a lamp does not.
 
 #include "calib/characterize/characterize.h"
 

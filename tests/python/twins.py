@@ -125,9 +125,19 @@ class FaultyCamera(PhotonCamera):
 
     def __init__(self, draw):
         super().__init__(draw)
-        self.sensor = self.sensor.replace({"defects.dead_fraction": 0.004, "defects.hot_fraction": 0.006, "defects.hot": "300 e-",
-                                           "frame_flicker.octave": "2 e-", "frame_flicker.lowest": 0.006,
-                                           "blinking.fraction": 0.008, "blinking.excess": "400 e-", "blinking.dwell": 4.0})
+        self.sensor = mk.Sensor.parse(self.sensor.text + """
+[defects]
+dead_fraction = 0.004
+hot_fraction = 0.006
+hot = "300 e-"
+[frame_flicker]
+octave = "2 e-"
+lowest = 0.006
+[blinking]
+fraction = 0.008
+excess = "400 e-"
+dwell = 4
+""")
 
 
 class ThermalCamera:
