@@ -154,15 +154,12 @@ TEST(RangeBlur, EachSampleSpreadsByItsOwnDefocus) {
       const auto [plan, asked] = planned(s, in, out, options_with(scene, range_m, tolerance));
       const double promised = plan.report().predicted.total(), realised = rms_distance(run(plan, scene), slow) / std;
       EXPECT_LE(promised, asked);
-      EXPECT_LE(asked, std::max(tolerance, 2e-4));  // what float32 leaves
+      EXPECT_LE(asked, std::max(tolerance, 1e-3));  // what float32 leaves
       EXPECT_LE(realised, promised);
       before = realised;
       if (tolerance == 1e-4) {
         EXPECT_LE(plan.report().field.modes, c.most_modes);
       }
-      std::printf("%g waves, steps %d, ratio %d, %g: %zu modes of %zu, least %.3f, promised %.2g, realised %.2g\n",
-                  c.waves, c.steps, c.ratio, asked, plan.report().field.modes, plan.report().field.points,
-                  plan.report().field.ranges->least_weight, promised, realised);
     }
     EXPECT_LT(before, 1e-6);  // all there is, in single precision
   }
