@@ -9,6 +9,7 @@
 #include "apps/simulate/stated_camera.h"
 #include "apps/text/message_words.h"
 #include "mtf/error.h"
+#include "mtf/io/csv/csv_cells.h"
 #include "radiometry/light/path_planes.h"
 #include "radiometry/light/pixel_rules.h"
 #include "radiometry/light/scene_radiance.h"
@@ -71,7 +72,7 @@ class Converter {
         emissivity_(loaded.sensor.emissivity),
         weighted_(is_weighted(scene)),
         options_{.negative = scene_.negative, .threads = threads} {
-    if (quantity_ == Quantity::counts) take_stated(scene);
+    if (quantity_ == Quantity::counts) take_stated(config, scene);
     const Quantity quantity = quantity_;
     const bool surfaces = is_of_surfaces();
     const bool finish = scene_.surroundings_k || !scene_.emissivity.file.empty() || scene_.emissivity.number != 1.0 ||
@@ -175,15 +176,21 @@ class Converter {
   const std::string& note() const { return note_; }
 
  private:
-  /// The file of a camera says what its counts are; what the sensor file says comes first. Emissivity and surroundings
-  /// are one statement: the file's where [scene] has neither.
-  void take_stated(const mtf::io::Scene& scene) {
+  /// The file of a camera says what its counts are; each key of the sensor file comes first.
+  void take_stated(const mtf::io::SensorConfig& config, const mtf::io::Scene& scene) {
+    std::string left_out;
     if (const auto stated = stated_camera(scene.info.attributes)) {
       assumed_ = stated->assumed;
       if (!counts_) counts_ = stated->camera;
-      if (scene_.emissivity.file.empty() && scene_.emissivity.number == 1.0 && !scene_.surroundings_k) {
-        scene_.emissivity.number = stated->assumed.emissivity;
+      const mtf::SettingsTable* table = find_table(config.tables, "scene");
+      const bool own_emissivity = table != nullptr && table->find("emissivity") != nullptr;
+      if (!scene_.surroundings_k && (!own_emissivity || stated->assumed.reflected_k > 0.0))
         scene_.surroundings_k = stated->assumed.reflected_k;
+      if (!own_emissivity) {
+        const std::string given = attribute(scene, "scene.emissivity");
+        if (const auto e = mtf::io::cell_number(given); e && *e != stated->assumed.emissivity)
+          left_out = "; the file's emissivity " + given + ", outside of (0, 1], is left out";
+        scene_.emissivity.number = stated->assumed.emissivity;
         emissivity_ = radiometry::constant_spectrum("the file's", stated->assumed.emissivity);
       }
     }
@@ -193,7 +200,7 @@ class Converter {
       note_ = "counts are temperatures by " +
               std::string(settings_.counts ? "[camera_counts]" : "the constants of the camera in the file") + " with " +
               thermometry_words(assumed_) +
-              "; [camera_counts], and emissivity with surroundings of [scene], override the file";
+              "; [camera_counts], and emissivity and surroundings of [scene], each override the file" + left_out;
   }
 
   /// Counts become the temperatures of the surfaces themselves.

@@ -21,7 +21,7 @@ std::optional<StatedCamera> stated_camera(const std::map<std::string, std::strin
   if (!(read("camera_counts.R1", camera.r1) && read("camera_counts.B", camera.b_k) &&
         read("camera_counts.F", camera.f) && read("camera_counts.O", camera.o) && read("camera_counts.R2", camera.r2)))
     return std::nullopt;
-  read("scene.emissivity", assumed.emissivity);
+  if (double e = 1.0; read("scene.emissivity", e) && e > 0.0 && e <= 1.0) assumed.emissivity = e;
   read("scene.surroundings", assumed.reflected_k);
   if (double w = 1.0; read("flir.window_transmission", w) && w > 0.0 && w <= 1.0) assumed.window_transmission = w;
   read("flir.window_temperature", assumed.window_k);

@@ -18,7 +18,7 @@ struct StatedCamera {
 };
 
 /// Nothing where a constant of the camera is missing. What is missing of surface, air and window counts nothing, and so
-/// do air and window whose numbers give no transmission above 0, up to 1.
+/// do an emissivity outside of (0, 1], and air and window whose numbers give no transmission above 0, up to 1.
 std::optional<StatedCamera> stated_camera(const std::map<std::string, std::string>& attributes);
 
 /// "emissivity 0.95, reflected 293.15 K, transmission of the air 0.99 at 293.15 K"

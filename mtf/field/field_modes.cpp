@@ -330,6 +330,7 @@ FieldModes::FieldModes(const System<double>& given, const SampleGrid& in, const 
   const Rms rms{options, one_part ? options.part_gain : 1.0, out.step_x_um / in.step_x_um,
                 out.step_y_um / in.step_y_um};
   // Where OTFs have kinks, what the weights miss there.
+  if (tables.is_parted() && options.line) throw UsageError("modes along a line take OTFs without kinks");
   if (tables.is_parted()) grid_x_ = WeightAxis(out.width), grid_y_ = WeightAxis(out.height);
   for (const double kink : tables.kinks())
     for (std::size_t i = 0; i < kProbes; ++i) {

@@ -39,10 +39,10 @@ SampleRanges sample_ranges(const System<double>& system, const SampleGrid& in, c
                      size_text(in.width, in.height) + "; give each sample its own");
   const Frame<double>& frame = system.frame;
   const bool known = frame.columns > 0 && frame.rows > 0;
-  const double axis_x_um =
-      frame.pitch_x_um * (0.5 * static_cast<double>(known ? frame.columns : out.width) + system.field.axis_x_px);
-  const double axis_y_um =
-      frame.pitch_y_um * (0.5 * static_cast<double>(known ? frame.rows : out.height) + system.field.axis_y_px);
+  const double width_um = known ? frame.columns * frame.pitch_x_um : static_cast<double>(out.width) * out.step_x_um,
+               height_um = known ? frame.rows * frame.pitch_y_um : static_cast<double>(out.height) * out.step_y_um;
+  const double axis_x_um = 0.5 * width_um + system.field.axis_x_px * frame.pitch_x_um,
+               axis_y_um = 0.5 * height_um + system.field.axis_y_px * frame.pitch_y_um;
   const double focal_um = 1e3 * frame.focal_length_mm;
   SampleRanges ranges;
   ranges.per_m.reserve(static_cast<std::size_t>(in.width * in.height));

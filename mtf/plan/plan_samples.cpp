@@ -29,6 +29,7 @@ namespace {
 constexpr double kOvershoot = 2.0;      // of the largest deviation of a scene, that its image may have
 constexpr double kFirstWeight = 0.3;    // of the sums of weights, before they are known
 constexpr double kLeastWeight = 1e-3;   // of these; below, a pixel sees next to nothing that the scene has
+constexpr int kMostTurns = 12;          // until the least sum of weights is known
 constexpr double kRounded = 0x1.8p-24;  // of a weight and of its product with a sample
 constexpr std::int64_t kRowsAtOnce = 16;
 
@@ -187,7 +188,7 @@ Plan compile_over_samples(const SamplesOtf& otf, const SampleGrid& in, const Sam
         }
         refuse(reachable(weight), "the OTF changes more sharply from sample to sample than its modes can follow");
       }
-      require_memory(4.0 * static_cast<double>(k + 2) * static_cast<double>(in.width * in.height), out);
+      require_memory(4.0 * static_cast<double>(in.width * in.height), out);
       const Image& weights = chosen.weights.emplace_back(weights_of(field.series(k), otf.place, in, options.threads));
       chosen.modes.push_back(compiled(k, (1.0 - kModesShare - kMeanShare) * field.factor(k)->largest / moduli,
                                       budget.both, weight, k == 1 ? nullptr : chosen.modes.back().impl_.get()));
@@ -200,7 +201,10 @@ Plan compile_over_samples(const SamplesOtf& otf, const SampleGrid& in, const Sam
     weight = std::max(0.8 * chosen.least_weight, 0.1 * weight);  // a sum of few modes may be off
     return false;
   };
+  int turns = 0;
   for (double weight = kFirstWeight; !choose(weight);) {
+    if (++turns == kMostTurns)
+      refuse(reachable(weight), "the least sum of weights differs from one number of modes to the next");
     if (!(weight > kLeastWeight))
       refuse(std::numeric_limits<double>::infinity(),
              "some pixels receive less than a thousandth of the light that they would in a scene of one range, as "
@@ -268,12 +272,16 @@ Plan compile_over_range(const System<double>& system, const SampleGrid& in, cons
   require_isoplanatic(system, key + ": defocus by range");
   if (options.border == Border::constant)
     throw UsageError(key + ": a constant border has no range; use border = \"reflect\"");
-  const SampleRanges ranges = sample_ranges(system, in, out, options.range_m->view());
+  require_memory(8.0 * static_cast<double>(in.width * in.height), out);
+  SampleRanges ranges = sample_ranges(system, in, out, options.range_m->view());
   const double first = distance_at_um(system, ranges.least), last = distance_at_um(system, ranges.most);
   constexpr double kMost_um = 1e6;  // of the key distance
-  if (!(std::max(std::abs(first), std::abs(last)) <= kMost_um))
-    throw UsageError(key + ": at a range of " + significant(1.0 / ranges.most, 3) + " m the image lies " +
-                     significant(1e-6 * last, 3) + " m behind the image plane, where 1 m is the most; check channel Z");
+  const bool near = std::abs(last) >= std::abs(first);
+  if (!(std::abs(near ? last : first) <= kMost_um))
+    throw UsageError(key + ": at a range of " + significant(1.0 / (near ? ranges.most : ranges.least), 3) +
+                     " m the image lies " + significant(1e-6 * std::abs(near ? last : first), 3) + " m " +
+                     (near ? "behind" : "before") +
+                     " the image plane, where 1 m is the most; check focus and channel Z");
   const System<double> mean = with_distance(system, distance_at_um(system, ranges.mean));
   const bool one = !(first < last);
   Plan plan;

@@ -57,7 +57,6 @@ WeatherFile parse_epw(std::string_view text, const std::string& source, const We
   std::vector<HourStamp> stamps;
   Weather all{.source = source, .stamp = stamp_of(request, Stamp::end, file, source), .time_s = {}, .values = {}};
   set_at_stamp(all);
-  text = mtf::io::without_mark(text);
   for (std::size_t line = 1; !text.empty(); ++line) {
     const std::string_view row = mtf::io::take_text_line(text);
     if (mtf::io::trimmed_cell(row).empty()) continue;
@@ -139,7 +138,6 @@ HourStamp stamp_of(const RecordCells& record) {
 WeatherFile parse_tmy3(std::string_view text, const std::string& source, const WeatherRequest& request) {
   WeatherFile file;
   file.format = WeatherFormat::tmy3;
-  text = mtf::io::without_mark(text);
 
   const std::string_view station = mtf::io::take_text_line(text);
   const auto station_cells = mtf::io::split_cells(station, ',', station.size());
@@ -270,7 +268,7 @@ WeatherFile parse_surfrad(std::string_view text, const std::string& source, cons
 
 // TMY2 (Marion and Urban, User's Manual for TMY2s, NREL (1995)): a header line with station, zone and place, then 142
 // characters an hour, cells by their position, in local standard time (1 ... 24). Sunlight is that of the 60 minutes
-// that end at the hour; all else holds at the hour. Missing values are nines.
+// that end at the hour; all else holds at the hour. Missing values are nines over the whole cell.
 
 constexpr std::size_t kTmy2Characters = 142;
 
@@ -286,7 +284,7 @@ constexpr std::array kTmy2Columns{Tmy2Column{global_horizontal, 17, 4, 1.0, 0.0}
                                   Tmy2Column{air_temperature, 67, 4, 0.1, mtf::kZeroCelsius_k},
                                   Tmy2Column{pressure, 84, 4, 100.0, 0.0},
                                   Tmy2Column{wind_speed, 95, 3, 0.1, 0.0}};
-constexpr std::size_t kTmy2Humidity = 79;
+constexpr std::size_t kTmy2Humidity = 79, kTmy2HumidityCharacters = 3;
 
 /// Whether a line is the header of TMY2: the zone, N or S with degrees and minutes, E or W with the same, the altitude.
 bool starts_as_tmy2(std::string_view line) {
@@ -324,7 +322,7 @@ WeatherFile parse_tmy2(std::string_view text, const std::string& source, const W
     };
     for (std::size_t i = 0; i < 4; ++i) add(1 + 2 * i, 2);  // year, month, day, hour
     for (const Tmy2Column& column : kTmy2Columns) add(column.first, column.characters);
-    add(kTmy2Humidity, 3);
+    add(kTmy2Humidity, kTmy2HumidityCharacters);
     const RecordCells record(source, line, cells);
     if (size != kTmy2Characters)
       record.fail(std::to_string(size) + " characters, " + std::to_string(kTmy2Characters) + " are needed");
@@ -335,15 +333,16 @@ WeatherFile parse_tmy2(std::string_view text, const std::string& source, const W
       record.fail("no such date or hour; hours are from 1 to 24");
     stamps.push_back(stamp);
     all.line.push_back(line);
-    const auto value = [&](std::size_t cell, std::string_view name) {
-      const bool missing = record.text(cell).find_first_not_of('9') == std::string_view::npos;
+    const auto value = [&](std::size_t cell, std::size_t characters, std::string_view name) {
+      const bool missing = record.text(cell) == std::string(characters, '9');  // "  99" is a value
       return missing ? std::numeric_limits<double>::quiet_NaN() : record.number(cell, name);
     };
     for (std::size_t i = 0; i < kTmy2Columns.size(); ++i) {
       const Tmy2Column& column = kTmy2Columns[i];
-      all[column.quantity].push_back(value(4 + i, quantity_name(column.quantity)) * column.factor + column.offset);
+      all[column.quantity].push_back(value(4 + i, column.characters, quantity_name(column.quantity)) * column.factor +
+                                     column.offset);
     }
-    add_humidity(record, value(4 + kTmy2Columns.size(), "relative humidity"), all);
+    add_humidity(record, value(4 + kTmy2Columns.size(), kTmy2HumidityCharacters, "relative humidity"), all);
   }
   finish_hours(std::move(all), stamps, zone_h, request.year, file);
   return file;
@@ -398,7 +397,8 @@ constexpr std::array kWeatherReaders{
 std::string_view format_name(WeatherFormat format) { return kWeatherReaders[static_cast<std::size_t>(format)].name; }
 
 WeatherFile parse_weather(std::string_view text, const std::string& source, const WeatherRequest& request) {
-  std::string_view rest = mtf::io::without_mark(text);
+  text = mtf::io::without_mark(text);
+  std::string_view rest = text;
   FirstLines lines{.first = mtf::io::take_text_line(rest)};
   lines.row = lines.first;
   for (std::string_view after = rest; mtf::io::is_comment(lines.row) && !after.empty();)

@@ -10,9 +10,9 @@
 // and below.
 //
 // PVGIS, typical year of the European Commission's Joint Research Centre (PVGIS 5, "Typical Meteorological Year"):
-// lines `name: value`, the year of each month, the names of the columns, records at whole hours of UTC, a line without
-// text. Sunlight is that of satellite images, or of hours, whose middle is `Irradiance Time Offset (h)` after the
-// stamp, which files before 5.3 do not state; all else holds at the stamp.
+// lines `name: value`, the year of each month, the names of the columns, records at whole hours of UTC,
+// explanations. Sunlight is that of satellite images, or of hours, whose middle is `Irradiance Time Offset (h)` after
+// the stamp, which files before 5.3 do not state; all else holds at the stamp.
 
 #include <algorithm>
 #include <array>
@@ -156,7 +156,6 @@ HourStamp pvgis_stamp(const RecordCells& record) {
 WeatherFile parse_sam_csv(std::string_view text, const std::string& source, const WeatherRequest& request) {
   WeatherFile file;
   file.format = WeatherFormat::sam;
-  text = mtf::io::without_mark(text);
   const auto labels = next_cells(text), values = next_cells(text), names = next_cells(text);
   const RecordCells head(source, 2, values), header(source, 3, names);
   const auto stated = [&](std::initializer_list<std::string_view> label) {
@@ -208,7 +207,6 @@ WeatherFile parse_sam_csv(std::string_view text, const std::string& source, cons
 WeatherFile parse_pvgis(std::string_view text, const std::string& source, const WeatherRequest& request) {
   WeatherFile file;
   file.format = WeatherFormat::pvgis;
-  text = mtf::io::without_mark(text);
   std::array<std::optional<double>, 4> stated{};  // latitude, longitude, elevation, offset of sunlight in h
   constexpr std::array<std::string_view, 4> starts{"Latitude", "Longitude", "Elevation", "Irradiance Time Offset"};
   std::size_t line = 0;
@@ -246,7 +244,9 @@ WeatherFile parse_pvgis(std::string_view text, const std::string& source, const 
   while (!text.empty()) {
     const auto cells = next_cells(text);
     ++line;
-    if (cells.front().empty()) break;  // explanations follow
+    if (cells.size() == 1 && cells.front().empty()) continue;
+    const bool digit = !cells.front().empty() && cells.front().front() >= '0' && cells.front().front() <= '9';
+    if (!digit && cells.size() < names.size()) break;  // explanations follow
     const RecordCells record(source, line, cells);
     stamps.push_back(pvgis_stamp(record));
     all.line.push_back(line);

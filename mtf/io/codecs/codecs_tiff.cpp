@@ -180,6 +180,9 @@ TiffOthers other_images(const std::string& path, TIFF* tiff, int page) {
     below.assign(offsets, offsets + std::min<std::size_t>(count, most));
   others.pages.push_back(image_of(tiff));
   while (others.pages.size() <= most && TIFFReadDirectory(tiff) == 1) others.pages.push_back(image_of(tiff));
+  if (page > static_cast<int>(most) && others.pages.size() > most)
+    throw RuntimeError(path + ": page " + std::to_string(page + 1) + ": only the first " + std::to_string(most + 1) +
+                       " pages of a TIFF are read");
   if (page < 0 || page >= std::ssize(others.pages))
     throw RuntimeError(path + ": page " + std::to_string(page + 1) + " of a TIFF of " +
                        plural(std::ssize(others.pages), "page") + "; pages count from 1");

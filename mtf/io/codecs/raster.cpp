@@ -89,13 +89,13 @@ ImageFile read_raster(const std::string& path, Format format, const ReadOptions&
   ImageFile image;
   image.info = describe(header, format);
   add_counts(path, header, image.info);
-  if (image.info.channels.back().name == "counts" && (options.channel == "counts" || options.part == 1))
-    return read_raw(path, open_flir, {});
-  if (format == Format::jpeg && options.channel && *options.channel != "Y")
+  const bool asks_counts = options.channel == "counts" && image.info.channels.back().name == "counts";
+  if (format == Format::jpeg && options.channel && *options.channel != "Y" && !asks_counts)
     throw UsageError(path +
                      ": of a JPEG only the luminance plane Y is read: its colours are mixed and mostly of fewer "
                      "pixels; leave out the choice of a channel, or measure the raw image");
   const ChannelChoice choice = choose_channels(path, image.info.channels, options);
+  if (choice.names.front() == "counts") return read_raw(path, open_flir, {.channel = {}, .layer = {}, .part = 0});
   for (const std::size_t i : choice.indices)
     if (image.info.channels[i].name == "A")
       throw UsageError(path + ": the alpha channel is not image data; choose Y or R, G, B");

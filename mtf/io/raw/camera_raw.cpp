@@ -5,6 +5,7 @@
 #include <memory>
 #include <mutex>
 
+#include "mtf/error.h"
 #include "mtf/io/file_checks.h"
 #include "mtf/io/raw/raw_image.h"
 #include "mtf/units.h"
@@ -66,9 +67,13 @@ std::vector<RawImage> open_camera_raw(const std::string& path) {
   info.pixel_aspect = camera.pixel_aspect;
   describe(camera, info);
   name_channels(image, {"Y"});
-  image.decode = [path, width = camera.width, counts = std::make_shared<Counts>()](
+  image.decode = [path, width = camera.width, size = camera.width * camera.height, counts = std::make_shared<Counts>()](
                      std::int64_t, std::int64_t x, std::int64_t y, ImageView<float> out) {
-    std::call_once(counts->decoded, [&] { counts->values = libraw().counts(path); });
+    std::call_once(counts->decoded, [&] {
+      counts->values = libraw().counts(path);
+      if (std::ssize(counts->values) != size)
+        throw RuntimeError("cannot read " + path + ": it changed while it was read");
+    });
     for (std::int64_t row = 0; row < out.height; ++row)
       std::copy_n(counts->values.begin() + (y + row) * width + x, out.width, out.row(row));
   };

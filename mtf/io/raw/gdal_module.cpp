@@ -20,7 +20,7 @@ namespace {
 
 /// What is in a file decides who reads it; drivers that open other files or addresses that a file names stay out.
 constexpr std::array<const char*, 5> kDrivers{"NITF", "HDF5", "HDF5Image", "JP2OpenJPEG", nullptr};
-constexpr int kMostImages = 1000;
+constexpr int kMostImages = 300;  // each is a file that stays open
 constexpr int kMostBands = 10'000;
 constexpr GIntBig kCacheBytes = GIntBig{64} << 20;
 
@@ -111,9 +111,10 @@ std::vector<GdalImage> open(const std::string& path) {
   if (file == nullptr) fail(path, "it is damaged, or of a kind that this GDAL does not read");
   std::vector<GdalImage> images;
   char** parts = GDALGetMetadata(file.get(), "SUBDATASETS");
-  for (int i = 1; i <= kMostImages; ++i) {
+  for (int i = 1;; ++i) {
     const char* name = CSLFetchNameValue(parts, ("SUBDATASET_" + std::to_string(i) + "_NAME").c_str());
     if (name == nullptr) break;
+    if (i > kMostImages) fail(path, "it has more than " + std::to_string(kMostImages) + " images");
     std::shared_ptr<void> part = opened(name);
     if (part == nullptr) fail(path, std::string("its image ") + name + " cannot be opened");
     if (GDALGetRasterCount(part.get()) < 1) continue;

@@ -26,7 +26,8 @@ std::unique_ptr<LibRaw> opened(const std::string& path) {
   const auto& color = raw->imgdata.idata;
   if (color.filters == 0 || color.is_foveon != 0)
     fail(path, "it has no mosaic of colour filters: its pixels are processed, or have all colours");
-  if (color.filters < 1000) fail(path, "its mosaic does not repeat after two pixels (X-Trans), which is not read");
+  if (color.filters != (color.filters & 0xFFU) * 0x01010101U)  // eight rows of two pixels, 2 bits each
+    fail(path, "its mosaic does not repeat after two pixels (as X-Trans), which is not read");
   return raw;
 }
 
@@ -47,6 +48,7 @@ CameraRaw header(const std::string& path) {
     camera.pattern += static_cast<char>(std::tolower(static_cast<unsigned char>(data.idata.cdesc[colour])));
     // A pattern of levels of its own stands behind the four of the colours, from its corner.
     const unsigned rows = data.color.cblack[4], columns = data.color.cblack[5];
+    if (rows > 2 || columns > 2) fail(path, "its black level does not repeat after two pixels, which is not read");
     const unsigned at = rows * columns == 0 ? 0 : (i / 2 % rows) * columns + i % 2 % columns;
     camera.black[static_cast<std::size_t>(i)] =
         data.color.black + data.color.cblack[colour] + (rows * columns == 0 ? 0 : data.color.cblack[6 + at]);

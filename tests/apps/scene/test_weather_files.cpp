@@ -190,6 +190,9 @@ TEST(WeatherTmy2, ReadsCellsByPosition) {
   EXPECT_FALSE(weather.is_mean(static_cast<std::size_t>(air_temperature)));
   const Weather gap = parse_weather(replaced(tmy2_text(), "1017", "9999"), "a").weather;
   EXPECT_TRUE(std::isnan(gap[pressure][0]) && gap[pressure][1] == 101700.0);
+  EXPECT_FALSE(std::isnan(parse_weather(replaced(tmy2_text(), " 60", " 99"), "a").weather[vapour_pressure][0]));
+  EXPECT_EQ(parse_weather("\xEF\xBB\xBF" + tmy2_text(), "a").weather.values,
+            parse_weather(tmy2_text(), "a").weather.values);
   expect_says(refusal(replaced(tmy2_text(), "\r\n", "0\r\n")), {"file:2: error:", "143 characters, 142 are needed"});
   expect_says(refusal(replaced(tmy2_text(), " 62 131 1", " 62 13125")), {"file:2: error:", "hours are from 1 to 24"});
 }
@@ -239,6 +242,8 @@ TEST(WeatherPvgis, SunlightLiesLaterThanTheStamps) {
   const double middle = weather.time_s[10] + weather.later_s;
   EXPECT_NEAR(mean_over(series, global_horizontal, middle - 1800.0, middle + 1800.0), 50.0, 1e-9);
   EXPECT_NEAR(value_at(series, air_temperature, weather.time_s[10]), 274.15, 1e-9);
+  const std::string blank = replaced(pvgis_text(), "20180131:0500", "\r\n20180131:0500");
+  EXPECT_EQ(parse_weather(blank, "a").weather.time_s.size(), 48u) << "a blank line ends nothing";
   const WeatherFile old = parse_weather(replaced(pvgis_text(), "Irradiance Time", "Some Time"), "a.csv");
   EXPECT_EQ(old.weather.later_s, 0.0);
   ASSERT_EQ(old.warnings.size(), 1u);
