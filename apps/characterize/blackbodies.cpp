@@ -10,7 +10,6 @@
 #include "apps/sensor/sensor_air.h"
 #include "apps/sensor/sensor_place.h"
 #include "apps/text/message_words.h"
-#include "calib/characterize/thermal.h"
 #include "mtf/io/config/replace_value.h"
 #include "radiometry/chain/chain.h"
 
@@ -101,8 +100,8 @@ bool is_thermal(const mtf::io::SensorConfig& nominal) {
          radiometry::from_table<radiometry::DetectorSettings>(*detector).kind == radiometry::DetectorKind::thermal;
 }
 
-calib::Characterization characterize_blackbodies(std::vector<calib::Stack> stacks, const StacksFile& file,
-                                                 const mtf::io::SensorConfig& nominal) {
+SeenBlackbodies see_blackbodies(std::vector<calib::Stack>& stacks, const StacksFile& file,
+                                const mtf::io::SensorConfig& nominal) {
   const mtf::io::SensorConfig clear = without_path(nominal);
   const radiometry::Sensor sensor = load_chain(clear).sensor;
   const Blackbodies& bodies = file.blackbodies;
@@ -127,16 +126,23 @@ calib::Characterization characterize_blackbodies(std::vector<calib::Stack> stack
   const radiometry::Budget<double> budget =
       at_its_place(clear, [&] { return budget_of(clear.system, sensor, reference_k); });
   const double gain = electrons_per_radiance(camera_of(clear.system, sensor), pixel_of(clear.system, sensor));
-  calib::Characterization camera = calib::characterize_thermal(
-      std::move(stacks), {.reference_k = reference_k,
-                          .radiance = scene_radiance(sensor.curves, perfect(reference_k), {}),
-                          .radiance_per_k = scene_derivative(sensor.curves, perfect(reference_k), {}),
-                          .own_radiance = (budget.signal.total_e() - budget.signal.scene_e) / gain,
-                          .temperature_sd_k = bodies.temperature_sd_k,
-                          .emissivity_sd = bodies.emissivity_sd});
-  camera.findings.front().from += bodies.reference_k ? " (reference_temperature)"
-                                  : stated           ? " (netd_temperature of the nominal)"
-                                                     : " (the coolest blackbody)";
+  return {.how = {.reference_k = reference_k,
+                  .radiance = scene_radiance(sensor.curves, perfect(reference_k), {}),
+                  .radiance_per_k = scene_derivative(sensor.curves, perfect(reference_k), {}),
+                  .own_radiance = (budget.signal.total_e() - budget.signal.scene_e) / gain,
+                  .temperature_sd_k = bodies.temperature_sd_k,
+                  .emissivity_sd = bodies.emissivity_sd},
+          .reference = bodies.reference_k ? "reference_temperature"
+                       : stated           ? "netd_temperature of the nominal"
+                                          : "the coolest blackbody",
+          .coolest_k = coolest_k,
+          .hottest_k = hottest_k};
+}
+
+calib::Characterization characterize_blackbodies(std::vector<calib::Stack> stacks, const SeenBlackbodies& seen) {
+  calib::Characterization camera = calib::characterize_thermal(std::move(stacks), seen.how);
+  camera.findings.front().from += " (" + seen.reference + ")";
+  const double reference_k = seen.how.reference_k, coolest_k = seen.coolest_k, hottest_k = seen.hottest_k;
   if (std::abs(2.0 * reference_k - coolest_k - hottest_k) > 3.0 * (hottest_k - coolest_k))
     camera.warnings.push_back("kelvin are those at " + significant(reference_k, 6) + " K, far from the blackbodies (" +
                               significant(coolest_k, 6) + " to " + significant(hottest_k, 6) +
@@ -179,7 +185,7 @@ CameraFile thermal_camera_file(calib::Characterization& camera, const StacksFile
     set(std::string(one.key), value_with_error(*camera.find(one.finding), " uV", uv_per_mk));
   set("nonuniformity.prnu", value_with_error(*camera.find("prnu"), ""));
   nominal = with_pixels(std::move(nominal), camera, " uV", uv_per_mk);
-  nominal = with_lag(std::move(nominal), camera);
+  nominal = with_lag(std::move(nominal), camera, stacks, file);
   add_not_measured(file, {"optics.transmission", "detector.absorptance", "optics.f_number", "band.wavelength"},
                    nominal);
   add_predictions(camera, without_path(nominal));

@@ -7,13 +7,24 @@
 
 #include "apps/characterize/camera_file.h"
 #include "apps/figures/plot.h"
+#include "calib/characterize/thermal.h"
 
 namespace apps {
 
-/// `light` of the stacks is that of the file, K or W m^-2 sr^-1. Kelvin are those at reference_temperature, else at the
-/// nominal's netd_temperature, else at the coolest blackbody. Throws UsageError as calib::characterize_thermal().
-calib::Characterization characterize_blackbodies(std::vector<calib::Stack> stacks, const StacksFile& file,
-                                                 const mtf::io::SensorConfig& nominal);
+/// How blackbodies are seen by the nominal.
+struct SeenBlackbodies {
+  calib::ThermalOptions how{};
+  std::string reference{};  ///< whose temperature the kelvin are at
+  double coolest_k = 0.0, hottest_k = 0.0;
+};
+
+/// `light` of the stacks, that of the file, K or W m^-2 sr^-1, becomes the radiance in the band. Kelvin are those at
+/// reference_temperature, else at the nominal's netd_temperature, else at the coolest blackbody.
+SeenBlackbodies see_blackbodies(std::vector<calib::Stack>& stacks, const StacksFile& file,
+                                const mtf::io::SensorConfig& nominal);
+
+/// Throws UsageError as calib::characterize_thermal().
+calib::Characterization characterize_blackbodies(std::vector<calib::Stack> stacks, const SeenBlackbodies& seen);
 
 /// Whether the nominal has a thermal detector.
 bool is_thermal(const mtf::io::SensorConfig& nominal);

@@ -14,6 +14,7 @@
 #include "mtf/io/config/replace_value.h"
 #include "mtf/io/sha256.h"
 #include "mtf/version.h"
+#include "radiometry/chain/sensor_settings.h"
 
 namespace apps {
 namespace {
@@ -149,11 +150,19 @@ mtf::io::SensorConfig with_pixels(mtf::io::SensorConfig sensor, const Characteri
   return blinks && !has_blinking ? read_again(sensor.text + blinking, sensor) : sensor;
 }
 
-mtf::io::SensorConfig with_lag(mtf::io::SensorConfig sensor, const Characterization& camera) {
+mtf::io::SensorConfig with_lag(mtf::io::SensorConfig sensor, const Characterization& camera, const StacksFile& stacks,
+                               CameraFile& file) {
   const Finding *const share = camera.find("lag_share"), *const time = camera.find("lag_time_constant");
   if (is_set(time)) return mtf::io::replaced(sensor, "lag.time_constant", value_with_error(*time, " s"));
   const mtf::SettingsTable* const table = find_table(sensor.tables, "lag");
-  if (table == nullptr || share == nullptr || share->verdict != calib::Verdict::upper_limit) return sensor;
+  if (table == nullptr || share == nullptr) return sensor;
+  const double step_s =
+      std::ranges::max_element(stacks.stacks, {}, &StackEntry::step_s)->step_s;  // of the only one with a step
+  const double own = std::exp(-step_s / radiometry::from_table<radiometry::Lag>(*table).time_constant_s);
+  if (share->verdict != calib::Verdict::upper_limit || !(own > share->high95)) {
+    file.kept.emplace_back("lag.time_constant");
+    return sensor;
+  }
   std::string text =
       table->find("time_constant") != nullptr ? mtf::io::without_value(sensor, "lag.time_constant") : sensor.text;
   // The table has no other key, and is nothing without this one.
@@ -261,7 +270,7 @@ CameraFile camera_file(const Characterization& camera, const StacksFile& stacks,
                              (is_set(corner) ? "corner = " + value_with_error(*corner, "") + "\n" : "");
     nominal = read_again(text, nominal);
   }
-  nominal = own_named(with_lag(std::move(nominal), camera), destination);
+  nominal = own_named(with_lag(std::move(nominal), camera, stacks, file), destination);
   if (maps) {
     for (const char* const key :
          {"nonuniformity.prnu", "nonuniformity.prnu_row", "nonuniformity.prnu_column", "nonuniformity.dsnu",

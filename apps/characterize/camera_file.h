@@ -43,8 +43,10 @@ mtf::io::SensorConfig without_key(mtf::io::SensorConfig sensor, const std::strin
 /// The sensor with the dead, hot and blinking pixels that were found, whose excess is in `unit` times `scale`.
 mtf::io::SensorConfig with_pixels(mtf::io::SensorConfig sensor, const calib::Characterization& camera,
                                   std::string_view unit, double scale = 1.0);
-/// The sensor with the lag that was found, or without one where the frames show that there is none.
-mtf::io::SensorConfig with_lag(mtf::io::SensorConfig sensor, const calib::Characterization& camera);
+/// The sensor with the lag that was found, or without its own where that is more than the frames allow; another is
+/// kept, as `file` says then.
+mtf::io::SensorConfig with_lag(mtf::io::SensorConfig sensor, const calib::Characterization& camera,
+                               const StacksFile& stacks, CameraFile& file);
 /// The sensor as a file at `destination`, which names its own files from its folder.
 mtf::io::SensorConfig own_named(const mtf::io::SensorConfig& sensor, const std::string& destination);
 /// Lines above its text: where its numbers are from, and what is not measured.

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/characterize/blackbodies.h"
 #include "apps/sensor/sensor_air.h"
 #include "mtf/error.h"
 #include "mtf/io/config/config_reader.h"
@@ -51,21 +50,17 @@ double full_well_of(const StacksFile& stacks, const Nominal& nominal) {
   return std::isfinite(given) ? given : 0.0;
 }
 
-/// Reads once more the stack whose noisy pixels tell whether they blink, if it has any: in the dark, of blackbodies any
-/// one, of the most frames. `entries`: of the stacks in the file.
-void read_noisy_pixels(std::vector<calib::Stack>& stacks, const std::vector<std::size_t>& entries,
-                       const StacksFile& file, const std::vector<StackShapes>& shapes, int threads) {
-  std::optional<std::size_t> longest;
-  for (std::size_t i = 0; i < stacks.size(); ++i)
-    if ((file.has_blackbodies() || stacks[i].light == 0.0) && stacks[i].is_usable() &&
-        stacks[i].sums.frames >= calib::kBlinkFrames &&
-        (!longest || stacks[i].sums.frames > stacks[*longest].sums.frames))
-      longest = i;
-  if (!longest) return;
-  calib::PixelSeries& series = stacks[*longest].sums.series;
-  series = calib::empty_series(stacks[*longest].sums);
-  if (!series.places.empty())
-    read_series(file.stacks[entries[*longest]], shapes[entries[*longest]], file, threads, series);
+/// Reads once more the stack whose noisy pixels tell whether they blink, if it has any. `entries`: of the stacks in the
+/// file.
+void read_noisy_pixels(ReadStacks& read, const std::vector<std::size_t>& entries, const StacksFile& file,
+                       const std::vector<StackShapes>& shapes, int threads) {
+  const calib::Stack* const chosen = file.has_blackbodies() ? calib::nearest_stack(read.stacks, read.seen.how.radiance)
+                                                            : calib::dark_stack(read.stacks);
+  if (chosen == nullptr || chosen->sums.frames < calib::kBlinkFrames) return;
+  const auto place = static_cast<std::size_t>(chosen - read.stacks.data());
+  calib::PixelSeries& series = read.stacks[place].sums.series;
+  series = calib::empty_series(chosen->sums);
+  if (!series.places.empty()) read_series(file.stacks[entries[place]], shapes[entries[place]], file, threads, series);
 }
 
 /// What the frames have gone through, or hold, already: the twin would have it twice.
@@ -146,7 +141,8 @@ ReadStacks read_stacks(const StacksFile& file, const Nominal& nominal, int threa
     if (file.unit == LightUnit::irradiance) read.stacks.back().light *= photons * entry.time_s;
     if (!file.has_blackbodies()) calib::drop_planes(read.stacks);
   }
-  read_noisy_pixels(read.stacks, entries, file, shapes, threads);
+  if (file.has_blackbodies()) read.seen = see_blackbodies(read.stacks, file, *nominal);
+  read_noisy_pixels(read, entries, file, shapes, threads);
   read.warnings = std::move(source.warnings);
   if (2.0 * source.used < most)
     read.warnings.push_back("no value needs all of the " + std::to_string(source.bits) +
@@ -157,16 +153,17 @@ ReadStacks read_stacks(const StacksFile& file, const Nominal& nominal, int threa
 FoundCamera find_camera(const StacksFile& file, Nominal nominal, ReadStacks read, const std::string& destination,
                         bool maps) {
   FoundCamera found;
-  found.camera = file.has_blackbodies() ? characterize_blackbodies(std::move(read.stacks), file, *nominal)
+  found.camera = file.has_blackbodies() ? characterize_blackbodies(std::move(read.stacks), read.seen)
                                         : calib::characterize(std::move(read.stacks), read.how);
   found.camera.warnings.insert(found.camera.warnings.begin(), read.warnings.begin(), read.warnings.end());
   const bool placeholders = !nominal;
   if (placeholders) {
     const radiometry::MeanSquares& size = found.camera.stacks.front().sums.squares;
-    const double time_s = found.camera.stacks.back().time_s;
+    const double given_s = found.camera.stacks.back().time_s;
+    const double most_s = read.lag ? read.lag->frame_time_s : mtf::kInfinity;  // no exposure outlasts a frame
     mtf::io::ConfigResult least = mtf::io::parse_config(
         least_sensor(static_cast<std::int64_t>(size.columns), static_cast<std::int64_t>(size.rows), read.bits,
-                     time_s > 0.0 ? time_s : 0.01),
+                     std::min(most_s, given_s > 0.0 ? given_s : 0.01)),
         destination, sensor_schema());
     mtf::io::cfg::require_no_errors(least.diagnostics, destination);
     nominal = std::move(least.config);

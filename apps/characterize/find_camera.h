@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/characterize/camera_file.h"
+#include "apps/characterize/blackbodies.h"
 #include "apps/characterize/stack_frames.h"
 #include "calib/characterize/lag_step.h"
 
@@ -25,7 +25,8 @@ struct ReadLag {
 
 /// The stacks of a file, reduced.
 struct ReadStacks {
-  std::vector<calib::Stack> stacks{};  ///< photons in place of irradiance
+  std::vector<calib::Stack> stacks{};  ///< photons in place of irradiance, radiance in the band in that of blackbodies
+  SeenBlackbodies seen{};              ///< where they are
   std::optional<ReadLag> lag{};
   int bits = 0;  ///< of the converter
   calib::CharacterizeOptions how;

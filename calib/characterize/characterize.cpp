@@ -148,7 +148,7 @@ class Analysis {
                                  " standard deviations, as independent pixels do not give it");
     add(std::move(f));
   }
-  const Stack* darkest() const { return choice_of(result_.stacks).dark; }
+  const Stack* darkest() const { return dark_stack(result_.stacks); }
 
   CharacterizeOptions options_;
   Characterization result_;
@@ -552,6 +552,8 @@ std::string_view verdict_name(Verdict verdict) {
   constexpr std::array<std::string_view, 4> names{"determined", "upper limit", "not determined", "predicted"};
   return names[static_cast<std::size_t>(verdict)];
 }
+
+const Stack* dark_stack(const std::vector<Stack>& stacks) { return choice_of(stacks).dark; }
 
 void drop_planes(std::vector<Stack>& stacks) {
   mark_saturated(by_light(stacks));

@@ -92,6 +92,9 @@ struct Stack {
   bool is_usable() const { return !is_clipped_low() && !is_clipped_high() && !saturates; }
   static constexpr double kClipped = 3.2e-5;  ///< of normal noise 4 sd from the end
 };
+/// The stack in the dark that tells the patterns and the blinking pixels: usable, with a plane, of the most frames, and
+/// of equals of the shortest exposure. Null where there is none.
+const Stack* dark_stack(const std::vector<Stack>& stacks);
 /// Empties the planes that characterize() will not look at, for those who read one stack after the other.
 void drop_planes(std::vector<Stack>& stacks);
 

@@ -79,14 +79,16 @@ Finding share_finding(const char* name, double count, double pixels, const std::
 }
 
 DefectSums defect_sums(const PlaneSquares& dark, const PlaneSquares* response, double signal,
-                       const std::set<std::int64_t>& restless) {
+                       const std::set<std::int64_t>& restless, bool lit) {
   const auto columns = static_cast<std::int64_t>(dark.columns);
   const auto place_of = [&](const Defect& d) { return d.y * columns + d.x; };
   DefectSums sums;
-  std::set<std::int64_t> dead;
+  std::set<std::int64_t> dead, not_hot;
   if (response != nullptr)
-    for (const Defect& d : response->defects)
+    for (const Defect& d : response->defects) {
       if (d.excess < -0.5 * signal) dead.insert(place_of(d));
+      if (lit) not_hot.insert(place_of(d));
+    }
   sums.dead = std::ssize(dead);
   const auto see = [&](const Defect& d, bool hot) {
     const std::int64_t place = place_of(d);
@@ -98,7 +100,7 @@ DefectSums defect_sums(const PlaneSquares& dark, const PlaneSquares* response, d
   };
   for (const Defect& d : dark.defects) {
     sums.mean += d.excess / (dark.rows * dark.columns);
-    see(d, d.excess > 0.0);
+    see(d, d.excess > 0.0 && !not_hot.contains(place_of(d)));
   }
   if (response != nullptr)
     for (const Defect& d : response->defects) see(d, false);
@@ -111,7 +113,7 @@ double BlinkingPixels::explained() const {
   if (!found()) return rest;
   double above = 0.0;  // of those below the limit all may be noisy
   for (const BlinkingPixel& pixel : noise.pixels) above += (pixel.excess - noise.least) / n;
-  return rest + n * std::exp(noise.least / above);
+  return rest + n * std::exp(noise.least / above) * all / looked_at;
 }
 
 Estimate BlinkingPixels::unseen(double n) const {
@@ -125,7 +127,7 @@ Estimate BlinkingPixels::unseen(double n) const {
 }
 
 double BlinkingPixels::slowness() const {
-  const double r2 = squared(1.0 - 2.0 * noise.change.value);
+  const double r2 = squared(std::max(0.0, 1.0 - 2.0 * noise.change.value));
   return found() ? std::sqrt((1.0 + r2) / (1.0 - r2)) : 1.0;
 }
 
@@ -139,8 +141,11 @@ double BlinkingPixels::mean_variance(double n, double pixels) const {
 BlinkingPixels blinking_pixels(const StackSummary& dark, const PlaneSquares& plane, double shot, double side) {
   const auto columns = static_cast<std::int64_t>(dark.squares.columns);
   const std::vector<std::int64_t> noisy = noisy_places(dark);
-  BlinkingPixels found{.noisy = static_cast<double>(noisy.size()),
-                       .looked_at = static_cast<double>(dark.variances.size()),
+  const auto pixels = static_cast<double>(dark.variances.size());
+  BlinkingPixels found{.noise = {.frames = dark.frames},
+                       .noisy = static_cast<double>(noisy.size()),
+                       .looked_at = pixels,
+                       .all = pixels,
                        .known = dark.frames >= kBlinkFrames && (noisy.empty() || dark.series.frames == dark.frames)};
   if (!found.known) return found;
   if (dark.series.places.size() < noisy.size() && !dark.series.places.empty()) {
@@ -229,7 +234,10 @@ void add_blinking_pixels(const BlinkingPixels& blinking, const Estimate& gain, c
   };
   if (!blinking.known)
     return undetermined("blinking_fraction", "",
-                        "it takes a stack of " + std::to_string(kBlinkFrames) + " frames or more");
+                        noise.frames == 0 ? "it takes a level with light"
+                        : noise.frames < kBlinkFrames
+                            ? "it takes a stack of " + std::to_string(kBlinkFrames) + " frames or more"
+                            : "the frames were not read a second time, for the values of the noisy pixels");
   const std::string how = from + ", " + std::to_string(noise.pixels.size()) + " pixels with two levels more than " +
                           significant(noise.least / gain.value, 3) + " " + unit + " apart";
   if (n == 0.0) {

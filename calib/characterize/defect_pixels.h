@@ -26,9 +26,10 @@ struct DefectSums {
 };
 
 /// `dark`: of the mean dark frame. `response`: of its difference to one of that much more signal; may be null.
-/// `restless`: pixels that blink or may, which are neither hot nor others.
+/// `restless`: pixels that blink or may, which are neither hot nor others. `lit`: the frame `dark` holds what the
+/// responses make of a signal; pixels beyond the limit in them are not hot.
 DefectSums defect_sums(const PlaneSquares& dark, const PlaneSquares* response, double signal,
-                       const std::set<std::int64_t>& restless);
+                       const std::set<std::int64_t>& restless, bool lit = false);
 
 /// The blinking pixels of a dark stack.
 struct BlinkingPixels {
@@ -36,6 +37,7 @@ struct BlinkingPixels {
   std::set<std::int64_t> restless{};  ///< noisier than a signal of theirs makes them
   double noisy = 0.0;                 ///< how many are noisier than most, and
   double looked_at = 0.0;             ///< of how many the series are
+  double all = 0.0;                   ///< of how many the variances are
   bool known = false;                 ///< whether pixels blink: the stack is long enough, and was read twice
   /// They are enough to tell the numbers of all.
   bool found() const { return known && noise.pixels.size() >= 5 && noise.change.sd > 0.0; }

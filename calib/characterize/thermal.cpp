@@ -168,12 +168,9 @@ struct Nearest {
   DefectSums defects{};
   BlinkingPixels blinking{};
 };
-Nearest add_noise(const MeanLine& line, const ThermalOptions& options, NumberErrors slope, double offset,
-                  FindingList& findings) {
+Nearest add_noise(const MeanLine& line, const Stack& nearest, const ThermalOptions& options, NumberErrors slope,
+                  double offset, FindingList& findings) {
   const auto& points = line.points();
-  const auto far = [&](const LinePoint& one) { return std::abs(one.stack->light - options.radiance); };
-  const Stack& nearest =
-      *std::ranges::min_element(points, [&](const auto& a, const auto& b) { return far(a) < far(b); })->stack;
   const Stack &cold = *points.front().stack, &hot = *points.back().stack;
   const mtf::Image difference = pattern_difference(hot, cold);
   PlaneSquares plane = plane_squares(difference.view());
@@ -186,7 +183,7 @@ Nearest add_noise(const MeanLine& line, const ThermalOptions& options, NumberErr
     found.fixed = plane_squares(nearest.sums.pattern.view(), 0, found.blinking.restless);
   }
   found.defects = defect_sums(found.fixed, &plane, hot.sums.mean - cold.sums.mean,
-                              blinks ? found.blinking.restless : std::set<std::int64_t>());
+                              blinks ? found.blinking.restless : std::set<std::int64_t>(), true);
   const radiometry::MeanSquares& squares = nearest.sums.squares;
   VarianceComponent quiet = variance_component(squares, kTvh);  // without pixels that blink, which are found apart
   if (blinks) {
@@ -258,6 +255,14 @@ std::string too_few_radiances(std::size_t stacks, bool differ) {
          "; SiTF takes two temperatures or more";
 }
 
+const Stack* nearest_stack(const std::vector<Stack>& stacks, double radiance) {
+  const Stack* best = nullptr;
+  const auto rank = [&](const Stack& one) { return std::pair(std::abs(one.light - radiance), one.light); };
+  for (const Stack& one : stacks)
+    if (one.is_usable() && (best == nullptr || rank(one) < rank(*best))) best = &one;
+  return best;
+}
+
 Characterization characterize_thermal(std::vector<Stack> stacks, const ThermalOptions& options) {
   std::stable_sort(stacks.begin(), stacks.end(), [](const Stack& a, const Stack& b) { return a.light < b.light; });
   require_sound(stacks);
@@ -277,7 +282,7 @@ Characterization characterize_thermal(std::vector<Stack> stacks, const ThermalOp
   findings.add_value("sitf", "counts/K", sitf, {sitf * relative.random, sitf * relative.systematic},
                      from + ", at " + significant(options.reference_k, 6) + " K");
   findings.add_value("offset", "counts", offset, line.errors_of_count(-options.own_radiance), from);
-  Nearest nearest = add_noise(line, options, relative, offset, findings);
+  Nearest nearest = add_noise(line, *nearest_stack(stacks, options.radiance), options, relative, offset, findings);
   // Of these all errors are those of their number.
   const Estimate counts_per_mk{1e-3 * sitf, 1e-3 * sitf * std::hypot(relative.random, relative.systematic)};
   const std::string& from_nearest = nearest.stack->name;

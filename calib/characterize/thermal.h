@@ -37,6 +37,10 @@ struct ThermalOptions {
 /// Why so many stacks, whose radiances differ or not, do not tell SiTF; "" where they do.
 std::string too_few_radiances(std::size_t stacks, bool differ);
 
+/// The stack that tells the noise, the patterns and the blinking pixels: usable, of the radiance nearest to that one,
+/// and of equals the darker. Null where there is none.
+const Stack* nearest_stack(const std::vector<Stack>& stacks, double radiance);
+
 /// `light` of a stack is the radiance of its blackbody in the band, with what that reflects. Findings: sitf (counts/K);
 /// offset, the count without any light; netd and the seven components of 3-D noise, noise_t to noise_tvh (mK), of the
 /// stack whose radiance is nearest to the reference; prnu of pixels, from the hottest less the coldest stack; dsnu
