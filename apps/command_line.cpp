@@ -7,7 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "mtf/error.h"
+#include "mtf/io/csv/csv_cells.h"
 #include "mtf/io/image_formats.h"
+#include "mtf/words.h"
 
 namespace apps {
 namespace {
@@ -115,8 +118,14 @@ void add_channel_choice(Command& command, mtf::io::ReadOptions& read) {
   add_word(command, "--layer", "NAME", "the layer to use; '' = the channels without a layer",
            [&](const std::string& text) { read.layer = text; })
       .candidates = layers_on;
-  add_value(command, "--part", "N", "part of a multi-part OpenEXR file, from 0", read.part, whole(0, 1'000'000))
+  add_value(command, "--part", "N", "part of a file of several: OpenEXR, units of FITS, frames of FLIR; from 0",
+            read.part, whole(0, 1'000'000))
       .candidates = parts_on;
+  add_text(command, "--page", "N", "page of a TIFF, from 1", [&](const std::string& text) {
+    const auto page = mtf::io::cell_number<int>(text);
+    if (!page || *page < 1) throw mtf::UsageError("--page " + mtf::printable(text, 20) + ": pages count from 1");
+    read.part = *page - 1;
+  });
 }
 
 }  // namespace apps

@@ -128,10 +128,11 @@ Command fit_command() {
   add_file(app, "sensor", "sensor file (TOML) with numbers to fit", options.sensor);
   add_text(app, "images", "IMAGE...", "images of edges (mtf info --formats)", options.input.images);
   add_edge_input(app, options.input);
-  add_text(app, "--curve", "FILE[@DEG]",
-           "MTF curves (CSV: frequency_cy_mm,mtf[,sd], or of mtf curve, or of mtf measure --curves) along a "
-           "direction, default 0; may be given again",
-           options.curves);
+  add_text(
+      app, "--curve", "FILE[@DEG]",
+      "MTF curves (CSV: frequency_cy_mm,mtf[,sd], or of mtf curve, of mtf measure --curves, of MTF Mapper) along a "
+      "direction, default 0; may be given again",
+      options.curves);
   add_choice(app, "--curve-unit", "UNIT", "of the frequencies of mtf curve --format csv: cy/mm, cy/mrad or cy/px",
              as_they_are("cy/mm", "cy/mrad", "cy/px"), options.curve_unit);
   add_value(app, "--curve-sd", "SD", "of the values of curves that have no column sd; default 0.01", options.curve_sd,

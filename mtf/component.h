@@ -112,7 +112,7 @@ struct FieldInfo {
   std::string_view example{};  ///< a typical value as written in a config
   std::string_view doc{};
   FieldType type = FieldType::number;
-  std::span<const std::string_view> words{};
+  std::span<const std::string_view> words{};  ///< of a number: may stand in its place, and leave it to other keys
   std::string_view excludes{};  ///< keys of the same table that it takes the place of, with blanks between them
   std::string_view kinds{};     ///< words of the table's key `kind` with which it counts; "" with any
 };

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks who includes what, the SPDX line and the length of every source, that no two types share a qualified name, and
-that folders stay small and are described.
+"""Checks who includes what, the SPDX line and the length of every source, that no two types share a qualified name,
+that folders stay small and are described, and that no member of a component is one that nothing calls.
 Usage: layering.py [ROOT]
 
 Dependencies point one way, between libraries (DIRECTIONS) and between the folders of one (FLOORS), and each outside
@@ -30,6 +30,8 @@ RULES = [
     (r"fftw3\.h$", r"mtf/engines/fft/fftw\.cpp|tests/bench/", "FFTW is private to the FFT engine"),
     (r"(OpenEXR|Imath)/|Imf\w*\.h$|openexr\w*\.h$", r"mtf/io/|tests/mtf/io/", "OpenEXR is private to mtf/io"),
     (r"opencv2?/", r"mtf/io/codecs/opencv_filters\.cpp|tests/bench/", "OpenCV is private to its module"),
+    (r"^(gdal|cpl_\w+)\.h$", r"mtf/io/raw/gdal_module\.cpp$", "GDAL is private to its module"),
+    (r"^libraw/", r"mtf/io/raw/libraw_module\.cpp$", "LibRaw is private to its module"),
     (r"(png|tiff|tiffio|turbojpeg)\.h$", r"mtf/io/codecs/codecs_|tests/mtf/io/", "image codecs are private to the codec module"),
     (r"vkFFT\.h$", r"mtf/device/vkfft\.h$", "VkFFT is private to the modules of devices"),
     (r"CL/|cuda\w*\.h$|nvrtc\.h$", r"mtf/device/(opencl|cuda)_module\.cpp$", "OpenCL and CUDA are private to their modules"),
@@ -165,6 +167,21 @@ def problems_of_public_headers(root, sources):
                 yield f"{path}: shows users {header}, which is internal: name it in the umbrella header of its library"
 
 
+COMPONENT_MEMBER = re.compile(r"^  (?!//)[^\n/=]*?\b(\w+)\([^;{}]*?\bContext<\w+>&[^;{}]*?\) const", re.MULTILINE)
+
+
+def problems_of_components(sources):
+    """What a component may leave out (check, cutoff_cy_mm, kinks_cy_mm, evaluator) is asked for by name: under a
+    misspelt one it would be left out in silence."""
+    words = Counter(word for path, text in sources if not path.startswith("tests/") for word in re.findall(r"\w+", text))
+    for path, text in sources:
+        if not re.fullmatch(r"mtf/components/\w+\.h", path):
+            continue
+        for name in COMPONENT_MEMBER.findall(text):
+            if words[name] == 1:
+                yield f"{path}: nothing calls {name}, which takes a context: is it the name that a component is asked by?"
+
+
 def check(root):
     found, sources = [], []
     for folder in FOLDERS:
@@ -179,6 +196,7 @@ def check(root):
             elif SCRIPT_NAMES.search(path):
                 found += problems_of_script(path, file.read_text(encoding="utf-8"))
     found += type_names.problems(sources)
+    found += problems_of_components(sources)
     found += problems_of_public_headers(root, sources)
     found += problems_of_folders(root, [Path(path) for path, _ in sources])
     if not sources:

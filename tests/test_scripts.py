@@ -77,6 +77,13 @@ class Layering(unittest.TestCase):
                 (root / f"mtf/plan/part{number}.h").write_text(SPDX, encoding="utf-8")
             self.assertEqual(len(layering.check(root)), 3)
 
+    def test_a_member_of_a_component_that_nothing_calls_is_misspelt(self):
+        body = f"{SPDX}  std::vector<Problem> %s(const Context<S>& ctx) const {{\n"
+        caller = ("mtf/components/field_access.h", SPDX + "return component.check(ctx);\n")
+        for name, count in [("check", 0), ("chekc", 1)]:
+            sources = [("mtf/components/jitter.h", body % name), caller]
+            self.assertEqual(len(list(layering.problems_of_components(sources))), count, name)
+
     def test_what_users_are_shown_is_public(self):
         with tempfile.TemporaryDirectory() as name:
             root = Path(name)

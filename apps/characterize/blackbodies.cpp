@@ -178,6 +178,8 @@ CameraFile thermal_camera_file(calib::Characterization& camera, const StacksFile
   for (const NoiseKey& one : kNoiseKeys)
     set(std::string(one.key), value_with_error(*camera.find(one.finding), " uV", uv_per_mk));
   set("nonuniformity.prnu", value_with_error(*camera.find("prnu"), ""));
+  nominal = with_pixels(std::move(nominal), camera, " uV", uv_per_mk);
+  nominal = with_lag(std::move(nominal), camera);
   add_not_measured(file, {"optics.transmission", "detector.absorptance", "optics.f_number", "band.wavelength"},
                    nominal);
   add_predictions(camera, without_path(nominal));

@@ -13,7 +13,6 @@
 #include "apps/terminal/text_table.h"
 #include "mtf/error.h"
 #include "mtf/io/config/config_reader.h"
-#include "radiometry/stages/detector/nonlinearity.h"
 
 namespace apps {
 namespace {
@@ -43,16 +42,6 @@ std::function<double(double)> variance_of(const Characterization& camera) {
   return [=, gain = camera.transfer.gain.value, offset = camera.transfer.offset.value](double x) {
     const double signal = std::max(0.0, x - offset);
     return floor + (gain + prnu2 * signal) * signal;
-  };
-}
-
-/// x of the header by the counts of the converter.
-std::function<double(double)> linear_counts(const calib::PhotonTransfer& transfer) {
-  if (transfer.a.empty()) return [](double count) { return count; };
-  const auto a = [&](std::size_t k) { return k < transfer.a.size() ? transfer.a[k].value : 0.0; };
-  const radiometry::Response response({a(0), a(1), a(2)}, transfer.options.full_well_e);
-  return [=, gain = transfer.gain.value, offset = transfer.offset.value](double count) {
-    return offset + gain * response.inverse((count - offset) / gain);
   };
 }
 

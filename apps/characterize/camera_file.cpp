@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <regex>
 
 #include "apps/edges/fit_parameters.h"
 #include "apps/sensor/sensor_chain.h"
@@ -35,9 +36,6 @@ constexpr std::array kKeys{Key{"electrons_per_count", "adc.electrons_per_count",
                            Key{"prnu_row", "nonuniformity.prnu_row", ""},
                            Key{"prnu_column", "nonuniformity.prnu_column", ""},
                            Key{"dcnu", "nonuniformity.dcnu", ""},
-                           Key{"dead_fraction", "defects.dead_fraction", ""},
-                           Key{"hot_fraction", "defects.hot_fraction", ""},
-                           Key{"hot_excess", "defects.hot", " e-"},
                            Key{"flicker_octave", "frame_flicker.octave", " e-"},
                            Key{"row_noise", "noise.row", " e-"},
                            Key{"column_noise", "noise.column", " e-"},
@@ -56,8 +54,13 @@ constexpr std::array<std::string_view, 9> kCounted{
     "noise_3d.tv",          "noise_3d.th",          "noise_3d.vh",          "noise_3d.tvh"};
 
 /// Of what is measured: numbers that others hold where stacks do not tell them.
-constexpr std::array<std::string_view, 5> kNotApart{"dark_current", "hot_fraction", "hot_excess", "dead_fraction",
-                                                    "flicker_octave"};
+constexpr std::array<std::string_view, 2> kNotApart{"dark_current", "flicker_octave"};
+
+/// Numbers of pixels that are not like the others; those that have a unit have one of signal.
+constexpr std::array kPixelKeys{
+    Key{"dead_fraction", "defects.dead_fraction", ""},   Key{"hot_fraction", "defects.hot_fraction", ""},
+    Key{"hot_excess", "defects.hot", "signal"},          Key{"blinking_fraction", "blinking.fraction", ""},
+    Key{"blinking_excess", "blinking.excess", "signal"}, Key{"blinking_dwell", "blinking.dwell", ""}};
 
 /// The sensor of a changed text.
 mtf::io::SensorConfig read_again(const std::string& text, const mtf::io::SensorConfig& before) {
@@ -122,6 +125,39 @@ mtf::io::SensorConfig without_key(mtf::io::SensorConfig sensor, const std::strin
   const mtf::SettingsTable* table = find_table(sensor.tables, key.substr(0, dot));
   if (table == nullptr || table->find(key.substr(dot + 1)) == nullptr) return sensor;
   return read_again(mtf::io::without_value(sensor, key), sensor);
+}
+
+mtf::io::SensorConfig with_pixels(mtf::io::SensorConfig sensor, const Characterization& camera, std::string_view unit,
+                                  double scale) {
+  const bool blinks = is_set(camera.find("blinking_fraction"));
+  const bool has_blinking = find_table(sensor.tables, "blinking") != nullptr;
+  std::string blinking = "\n[blinking]\n";
+  for (const Key& one : kPixelKeys) {
+    const Finding* const f = camera.find(one.finding);
+    const std::string key(one.key), name = key.substr(key.find('.') + 1);
+    const bool known = f != nullptr && f->verdict != calib::Verdict::not_determined;
+    std::string value;
+    if (known) value = one.unit.empty() ? value_with_error(*f, "") : value_with_error(*f, unit, scale);
+    if (blinks && name == "dwell" && !known) value = "1";  // from frame to frame
+    if (key.starts_with("defects"))
+      sensor = known ? mtf::io::replaced(sensor, key, value) : without_key(std::move(sensor), key);
+    else if (has_blinking && !value.empty())
+      sensor = mtf::io::replaced(sensor, key, value);
+    else
+      blinking += name + " = " + value + "\n";
+  }
+  return blinks && !has_blinking ? read_again(sensor.text + blinking, sensor) : sensor;
+}
+
+mtf::io::SensorConfig with_lag(mtf::io::SensorConfig sensor, const Characterization& camera) {
+  const Finding *const share = camera.find("lag_share"), *const time = camera.find("lag_time_constant");
+  if (is_set(time)) return mtf::io::replaced(sensor, "lag.time_constant", value_with_error(*time, " s"));
+  const mtf::SettingsTable* const table = find_table(sensor.tables, "lag");
+  if (table == nullptr || share == nullptr || share->verdict != calib::Verdict::upper_limit) return sensor;
+  std::string text =
+      table->find("time_constant") != nullptr ? mtf::io::without_value(sensor, "lag.time_constant") : sensor.text;
+  // The table has no other key, and is nothing without this one.
+  return read_again(std::regex_replace(text, std::regex("(^|\n)[ \t]*\\[[ \t]*lag[ \t]*\\][^\n]*"), "$1"), sensor);
 }
 
 mtf::io::SensorConfig own_named(const mtf::io::SensorConfig& sensor, const std::string& destination) {
@@ -194,6 +230,10 @@ CameraFile camera_file(const Characterization& camera, const StacksFile& stacks,
     // Patterns of the nominal may stay; what stacks do not tell apart is in offset, read noise and rate.
     if (f == nullptr || std::ranges::find(kNotApart, one.finding) != kNotApart.end()) unset(key);
   }
+  for (const Key& one : kPixelKeys)
+    if (const Finding* f = camera.find(one.finding); f != nullptr && f->verdict == calib::Verdict::not_determined)
+      left.emplace_back(one.key);
+  nominal = with_pixels(std::move(nominal), camera, " e-");
   if (camera.flicker_lowest > 0.0)
     set("frame_flicker.lowest", mtf::format_double(camera.flicker_lowest));
   else
@@ -221,7 +261,7 @@ CameraFile camera_file(const Characterization& camera, const StacksFile& stacks,
                              (is_set(corner) ? "corner = " + value_with_error(*corner, "") + "\n" : "");
     nominal = read_again(text, nominal);
   }
-  nominal = own_named(nominal, destination);
+  nominal = own_named(with_lag(std::move(nominal), camera), destination);
   if (maps) {
     for (const char* const key :
          {"nonuniformity.prnu", "nonuniformity.prnu_row", "nonuniformity.prnu_column", "nonuniformity.dsnu",

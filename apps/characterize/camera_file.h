@@ -40,6 +40,11 @@ std::string shown(const calib::Finding& finding);
 std::string value_with_error(const calib::Finding& finding, std::string_view unit, double scale = 1.0);
 /// The sensor without that key, where it has it.
 mtf::io::SensorConfig without_key(mtf::io::SensorConfig sensor, const std::string& key);
+/// The sensor with the dead, hot and blinking pixels that were found, whose excess is in `unit` times `scale`.
+mtf::io::SensorConfig with_pixels(mtf::io::SensorConfig sensor, const calib::Characterization& camera,
+                                  std::string_view unit, double scale = 1.0);
+/// The sensor with the lag that was found, or without one where the frames show that there is none.
+mtf::io::SensorConfig with_lag(mtf::io::SensorConfig sensor, const calib::Characterization& camera);
 /// The sensor as a file at `destination`, which names its own files from its folder.
 mtf::io::SensorConfig own_named(const mtf::io::SensorConfig& sensor, const std::string& destination);
 /// Lines above its text: where its numbers are from, and what is not measured.

@@ -2,8 +2,6 @@
 
 // `mtf characterize`: the numbers of a camera from stacks of flat frames.
 
-#include <malloc.h>
-
 #include <algorithm>
 
 #include "apps/characterize/blackbodies.h"
@@ -19,6 +17,7 @@
 #include "apps/terminal/progress_line.h"
 #include "mtf/error.h"
 #include "mtf/io/image_io.h"
+#include "mtf/work/heap.h"
 
 namespace apps {
 namespace {
@@ -70,9 +69,7 @@ int run_characterize(const CharacterizeCommandOptions& options, const Global& gl
        .names = {"sensor.toml", "report.html", "result.json", "levels.csv", "defects.csv", "offset.exr",
                  "responsivity.exr"},
        .inputs = std::move(inputs)});
-#ifdef __GLIBC__
-  mallopt(M_MMAP_THRESHOLD, 1 << 20);  // else the planes of each stack leave holes that those of the next do not fit
-#endif
+  mtf::set_heap({.returned_from = 1 << 20});  // else planes of a stack leave holes that those of the next do not fit
   ReadStacks read;
   {
     ProgressLine progress(global);
@@ -113,7 +110,7 @@ int run_characterize(const CharacterizeCommandOptions& options, const Global& gl
   };
   write_main(found.sensor.text);
   write("levels.csv", levels_csv(camera));
-  if (has_page) write("defects.csv", defects_csv(planes));
+  if (has_page) write("defects.csv", defects_csv(camera, planes));
   if (options.maps) {
     const PatternMaps maps = pattern_maps(camera, planes);
     mtf::io::write_exr(outputs.in("offset.exr"), {{"Y", maps.offset.view()}}, {});

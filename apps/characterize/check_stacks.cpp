@@ -29,15 +29,20 @@ void check_stacks(const StacksFile& file, const std::optional<mtf::io::SensorCon
     for (const FrameShape& shape : shapes[i]) count += shape.frames;
     stacks.add({one_line(one.name), std::to_string(one.files.size()), std::to_string(count),
                 file.has_times ? significant(1e3 * one.time_s, 6) + " ms" : "-",
-                one.light > 0.0 ? significant(one.light, 6) : "dark"});
+                one.step_s > 0.0  ? "steps"
+                : one.light > 0.0 ? significant(one.light, 6)
+                                  : "dark"});
     json["stacks"].push_back({{"name", one.name}, {"frames", count}, {"light", one.light}, {"time_s", one.time_s}});
   }
   std::set<double> lights, dark_times;
+  std::size_t count = 0;
   for (const StackEntry& entry : file.stacks) {
+    if (entry.step_s > 0.0) continue;
+    ++count;
     lights.insert(entry.light);
     if (!(entry.light > 0.0)) dark_times.insert(entry.time_s);
   }
-  const std::string few = file.has_blackbodies() ? calib::too_few_radiances(shapes.size(), lights.size() > 1)
+  const std::string few = file.has_blackbodies() ? calib::too_few_radiances(count, lights.size() > 1)
                                                  : calib::too_few_levels(lights.size(), file.nonlinearity);
   const std::string dark = dark_times.empty() ? "no dark stack: give one with light = false" : "";
   const std::string times = file.has_times && dark_times.size() > 1 ? few : "it takes dark stacks of two exposures";
@@ -50,7 +55,9 @@ void check_stacks(const StacksFile& file, const std::optional<mtf::io::SensorCon
   const Numbers of_blackbodies{
       {"SiTF, NETD, 3-D noise, offset", few},
       {"whether counts are linear in the radiance", lights.size() > 2 ? "" : "it takes three temperatures"}};
-  for (const auto& [name, why] : file.has_blackbodies() ? of_blackbodies : by_light) {
+  Numbers all = file.has_blackbodies() ? of_blackbodies : by_light;
+  all.emplace_back("lag", count < shapes.size() ? "" : "it takes frames whose light steps, with step = \"20 ms\"");
+  for (const auto& [name, why] : all) {
     numbers.add({name, why.empty() ? "yes" : "no: " + why});
     json["numbers"].push_back({{"name", name}, {"possible", why.empty()}, {"why", why}});
   }

@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/characterize/find_camera.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "apps/characterize/blackbodies.h"
 #include "apps/sensor/sensor_air.h"
 #include "mtf/error.h"
 #include "mtf/io/config/config_reader.h"
+#include "mtf/io/config/replace_value.h"
 #include "mtf/words.h"
 #include "radiometry/chain/sensor_settings.h"
 #include "radiometry/light/constants.h"
+#include "radiometry/stages/detector/nonlinearity.h"
 
 namespace apps {
 namespace {
@@ -48,18 +51,47 @@ double full_well_of(const StacksFile& stacks, const Nominal& nominal) {
   return std::isfinite(given) ? given : 0.0;
 }
 
+/// Reads once more the stack whose noisy pixels tell whether they blink, if it has any: in the dark, of blackbodies any
+/// one, of the most frames. `entries`: of the stacks in the file.
+void read_noisy_pixels(std::vector<calib::Stack>& stacks, const std::vector<std::size_t>& entries,
+                       const StacksFile& file, const std::vector<StackShapes>& shapes, int threads) {
+  std::optional<std::size_t> longest;
+  for (std::size_t i = 0; i < stacks.size(); ++i)
+    if ((file.has_blackbodies() || stacks[i].light == 0.0) && stacks[i].is_usable() &&
+        stacks[i].sums.frames >= calib::kBlinkFrames &&
+        (!longest || stacks[i].sums.frames > stacks[*longest].sums.frames))
+      longest = i;
+  if (!longest) return;
+  calib::PixelSeries& series = stacks[*longest].sums.series;
+  series = calib::empty_series(stacks[*longest].sums);
+  if (!series.places.empty())
+    read_series(file.stacks[entries[*longest]], shapes[entries[*longest]], file, threads, series);
+}
+
 /// What the frames have gone through, or hold, already: the twin would have it twice.
-void warn_of_nominal(const mtf::io::SensorConfig& nominal, std::vector<std::string>& warnings) {
+void warn_of_nominal(const mtf::io::SensorConfig& nominal, calib::Characterization& camera) {
+  std::vector<std::string>& warnings = camera.warnings;
+  const calib::Finding* const blinking = camera.find("blinking_fraction");
+  const bool told = blinking != nullptr && blinking->verdict != calib::Verdict::not_determined;
   if (find_table(nominal.tables, "correction") != nullptr)
     warnings.emplace_back(
         "[correction] of the nominal would be made once more on what the frames have after it; remove it");
   for (const char* const table : {"flicker", "blinking"})
-    if (find_table(nominal.tables, table) != nullptr)
+    if (find_table(nominal.tables, table) != nullptr && !(told && std::string_view(table) == "blinking"))
       warnings.push_back("[" + std::string(table) +
                          "] of the nominal is noise beside the components measured here; remove it");
 }
 
 }  // namespace
+
+std::function<double(double)> linear_counts(const calib::PhotonTransfer& transfer) {
+  if (transfer.a.empty()) return [](double count) { return count; };
+  const auto a = [&](std::size_t k) { return k < transfer.a.size() ? transfer.a[k].value : 0.0; };
+  const radiometry::Response response({a(0), a(1), a(2)}, transfer.options.full_well_e);
+  return [=, gain = transfer.gain.value, offset = transfer.offset.value](double count) {
+    return offset + gain * response.inverse((count - offset) / gain);
+  };
+}
 
 int bits_of(const StacksFile& file, const Nominal& nominal) {
   if (file.bits) return *file.bits;
@@ -94,12 +126,27 @@ ReadStacks read_stacks(const StacksFile& file, const Nominal& nominal, int threa
                           .trend = file.trend,
                           .light_repeatability = file.repeatability,
                           .counts_time = file.has_times}};
+  std::vector<std::size_t> entries;
   for (std::size_t i = 0; i < shapes.size(); ++i) {
     const StackEntry& entry = file.stacks[i];
-    read.stacks.push_back(read_stack(entry, shapes[i], file, source));
+    calib::Stack stack = read_stack(entry, shapes[i], file, source);
+    if (entry.step_s > 0.0) {
+      try {
+        if (!stack.is_usable())
+          throw mtf::UsageError(calib::clipped_words(stack) + "; choose less light, or an offset");
+        static_cast<void>(calib::fit_lag_step(stack.sums.frame_means));  // refused before all else
+        read.lag = {entry.name, entry.step_s, stack.sums.frame_means};
+      } catch (const mtf::UsageError& error) {
+        throw mtf::UsageError(entry.name + ": " + error.what());
+      }
+      continue;
+    }
+    read.stacks.push_back(std::move(stack));
+    entries.push_back(i);
     if (file.unit == LightUnit::irradiance) read.stacks.back().light *= photons * entry.time_s;
     if (!file.has_blackbodies()) calib::drop_planes(read.stacks);
   }
+  read_noisy_pixels(read.stacks, entries, file, shapes, threads);
   read.warnings = std::move(source.warnings);
   if (2.0 * source.used < most)
     read.warnings.push_back("no value needs all of the " + std::to_string(source.bits) +
@@ -124,9 +171,16 @@ FoundCamera find_camera(const StacksFile& file, Nominal nominal, ReadStacks read
     mtf::io::cfg::require_no_errors(least.diagnostics, destination);
     nominal = std::move(least.config);
   }
+  if (read.lag) {
+    std::ranges::transform(read.lag->means, read.lag->means.begin(), linear_counts(found.camera.transfer));
+    calib::add_lag(calib::fit_lag_step(read.lag->means), read.lag->frame_time_s, read.lag->name, found.camera);
+    const mtf::SettingsTable* frame = find_table(nominal->tables, "frame");
+    if (found.camera.find("lag_time_constant") && (frame == nullptr || frame->find("frame_time") == nullptr))
+      nominal = mtf::io::replaced(*nominal, "frame.frame_time", mtf::format_double(read.lag->frame_time_s) + " s");
+  }
   found.name = nominal->system.name;
   found.bits = read.bits;
-  warn_of_nominal(*nominal, found.camera.warnings);
+  warn_of_nominal(*nominal, found.camera);
   const calib::Finding* const rate = found.camera.find("rate");
   if (rate != nullptr && rate->low95 > 1.0 && file.tells_photons())
     found.camera.warnings.push_back(

@@ -12,16 +12,28 @@
 
 #include "apps/characterize/camera_file.h"
 #include "apps/characterize/stack_frames.h"
+#include "calib/characterize/lag_step.h"
 
 namespace apps {
+
+/// Of frames whose light steps.
+struct ReadLag {
+  std::string name;
+  double frame_time_s = 0.0;
+  std::vector<double> means{};  ///< counts
+};
 
 /// The stacks of a file, reduced.
 struct ReadStacks {
   std::vector<calib::Stack> stacks{};  ///< photons in place of irradiance
-  int bits = 0;                        ///< of the converter
+  std::optional<ReadLag> lag{};
+  int bits = 0;  ///< of the converter
   calib::CharacterizeOptions how;
   std::vector<std::string> warnings{};
 };
+
+/// Offset + K e by the counts of the converter: linear in the light.
+std::function<double(double)> linear_counts(const calib::PhotonTransfer& transfer);
 
 /// The converter's bits: of the stacks' file, else of the nominal. Throws UsageError where neither has them.
 int bits_of(const StacksFile& file, const std::optional<mtf::io::SensorConfig>& nominal);

@@ -359,10 +359,10 @@ std::vector<Figure> time_figures(const Stack& stack, const NoiseUnit& unit) {
   Series found = large_points("pixels"), alike{.name = "were all alike"};
   const double bin = calib::variance_bin(sums), dof = squares.frames - 1.0;
   const auto share_above = [&](double k) { return calib::chi_square_tail(dof * std::exp(k * bin), dof); };
-  for (const auto& [k, count] : sums.by_variance)
+  for (const auto& [k, count] : calib::pixels_by_variance(sums))
     put(found, root(variance * std::exp(k * bin)), static_cast<double>(count));
   for (int k = -400; k <= 400; ++k)
-    if (const double count = static_cast<double>(sums.looked_at) * (share_above(k - 0.5) - share_above(k + 0.5));
+    if (const double count = static_cast<double>(sums.variances.size()) * (share_above(k - 0.5) - share_above(k + 0.5));
         count >= 0.5)
       put(alike, root(variance * std::exp(k * bin)), count);
   figures.push_back(figure_of("Temporal noise of pixels: " + stack.name, "noise of a pixel (" + unit.name + " rms)",

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "apps/terminal/text_table.h"
-#include "calib/characterize/trend.h"
 #include "mtf/error.h"
 
 namespace apps {
@@ -22,9 +21,9 @@ PatternPlane scaled_plane(std::string name, std::string unit, const Stack& a, co
   for (const Stack* const stack : {&a, b}) {
     if (stack == nullptr) continue;
     const radiometry::MeanSquares& squares = stack->sums.squares;
-    p.temporal2 +=
-        scale * scale *
-        (squares.value[radiometry::kTvh] / squares.frames + calib::rounding_of(*stack) + stack->sums.lasting);
+    p.temporal2 += scale * scale *
+                   ((squares.value[radiometry::kTvh] - stack->sums.apart.value) / squares.frames +
+                    calib::rounding_of(*stack) + stack->sums.lasting);
   }
   p.squares = calib::plane_squares(p.plane.view(), calib::remove_trend(p.plane.view(), trend).degree);
   return p;
@@ -92,11 +91,18 @@ PatternMaps pattern_maps(const Characterization& camera, const std::vector<Patte
   return maps;
 }
 
-std::string defects_csv(const std::vector<PatternPlane>& planes) {
+std::string defects_csv(const Characterization& camera, const std::vector<PatternPlane>& planes) {
   TextTable table({"plane", "x", "y", "excess", "unit"});
   for (const PatternPlane& p : planes)
     for (const calib::Defect& d : p.squares.defects)
       table.add({p.name, std::to_string(d.x), std::to_string(d.y), csv_number(d.excess), p.unit});
+  if (camera.dark < 0) return table.csv();
+  const calib::StackSummary& dark = camera.stacks[static_cast<std::size_t>(camera.dark)].sums;
+  const NoiseUnit unit = noise_unit(camera);
+  const auto columns = static_cast<std::int64_t>(dark.squares.columns);
+  for (const std::int64_t place : calib::noisy_places(dark))
+    table.add({"temporal noise", std::to_string(place % columns), std::to_string(place / columns),
+               csv_number(unit.per_count * std::sqrt(calib::variance_at(dark, place))), unit.name});
   return table.csv();
 }
 

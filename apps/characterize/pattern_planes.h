@@ -35,7 +35,7 @@ struct PatternPlane {
 };
 
 /// The mean frame of the dark stack, then the difference of the bright and the dark one over its signal, without
-/// shading (calib/characterize/trend.h); those that are there. Of blackbodies the mean frame of that nearest to the
+/// shading (calib/characterize/pattern.h); those that are there. Of blackbodies the mean frame of that nearest to the
 /// reference, then the difference of the hottest and the coldest one.
 std::vector<PatternPlane> pattern_planes(const calib::Characterization& camera);
 
@@ -47,7 +47,8 @@ struct PatternMaps {
 /// Throws UsageError where one of the planes is missing.
 PatternMaps pattern_maps(const calib::Characterization& camera, const std::vector<PatternPlane>& planes);
 
-/// A line a pixel: plane, x, y, excess, unit.
-std::string defects_csv(const std::vector<PatternPlane>& planes);
+/// A line a pixel: plane, x, y, excess, unit. Of pixels that are too noisy, as those that blink, the plane is "temporal
+/// noise" and the excess their rms.
+std::string defects_csv(const calib::Characterization& camera, const std::vector<PatternPlane>& planes);
 
 }  // namespace apps

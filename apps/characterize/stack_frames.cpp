@@ -138,6 +138,29 @@ FrameShape shape_of(const StackEntry& entry, const std::string& path) {
   return {1, info.width, info.height, info.channels.front().type};
 }
 
+/// Some frames of a stack at a time, in order, and how many files end with them.
+using Batch = std::function<void(const std::vector<StackFrame>& frames, std::size_t files)>;
+void each_batch(const StackEntry& entry, const StackShapes& shapes, const StacksFile& file, int threads,
+                const Batch& take) {
+  std::vector<FramePlace> places;
+  for (std::size_t i = 0; i < shapes.size(); ++i)
+    for (std::int64_t t = 0; t < shapes[i].frames; ++t)
+      places.push_back({entry.memory.empty() ? entry.files[i] : entry.name, shapes[i], t});
+  const std::int64_t bytes = 4 * places[0].shape.width * places[0].shape.height;
+  const std::int64_t most = std::clamp<std::int64_t>(kBatchBytes / bytes, 2, 64);
+  std::vector<StackFrame> frames;
+  for (std::int64_t begin = 0; begin < std::ssize(places); begin += most) {
+    frames.resize(static_cast<std::size_t>(std::min(most, std::ssize(places) - begin)));
+    const auto place = [&](std::int64_t k) -> const FramePlace& { return places[static_cast<std::size_t>(begin + k)]; };
+    mtf::parallel_for(std::ssize(frames), 1, threads, [&](std::int64_t k, std::int64_t) {
+      read_frame(entry, place(k), file.step, frames[static_cast<std::size_t>(k)]);
+    });
+    std::size_t files = 0;
+    for (std::int64_t k = 0; k < std::ssize(frames); ++k) files += place(k).number + 1 == place(k).shape.frames ? 1 : 0;
+    take(frames, files);
+  }
+}
+
 class Reduction {
  public:
   Reduction(const StackEntry& entry, const StacksFile& file, FrameSource& source)
@@ -239,26 +262,19 @@ std::vector<StackShapes> shapes_of(const StacksFile& file, int bits, int threads
 
 calib::Stack read_stack(const StackEntry& entry, const StackShapes& shapes, const StacksFile& file,
                         FrameSource& source) {
-  std::vector<FramePlace> places;
-  for (std::size_t i = 0; i < shapes.size(); ++i)
-    for (std::int64_t t = 0; t < shapes[i].frames; ++t)
-      places.push_back({entry.memory.empty() ? entry.files[i] : entry.name, shapes[i], t});
-  const std::int64_t bytes = 4 * places[0].shape.width * places[0].shape.height;
-  const std::int64_t most = std::clamp<std::int64_t>(kBatchBytes / bytes, 2, 64);
   Reduction reduction(entry, file, source);
-  std::vector<StackFrame> frames;
-  for (std::int64_t begin = 0; begin < std::ssize(places); begin += most) {
-    frames.resize(static_cast<std::size_t>(std::min(most, std::ssize(places) - begin)));
-    const auto place = [&](std::int64_t k) -> const FramePlace& { return places[static_cast<std::size_t>(begin + k)]; };
-    mtf::parallel_for(std::ssize(frames), 1, source.threads, [&](std::int64_t k, std::int64_t) {
-      read_frame(entry, place(k), file.step, frames[static_cast<std::size_t>(k)]);
-    });
+  each_batch(entry, shapes, file, source.threads, [&](const std::vector<StackFrame>& frames, std::size_t files) {
     reduction.add(frames);
-    for (std::int64_t k = 0; source.progress && k < std::ssize(frames); ++k)
-      if (place(k).number + 1 == place(k).shape.frames) source.progress();
-  }
-  frames.clear();
+    for (std::size_t k = 0; source.progress && k < files; ++k) source.progress();
+  });
   return reduction.take();
+}
+
+void read_series(const StackEntry& entry, const StackShapes& shapes, const StacksFile& file, int threads,
+                 calib::PixelSeries& series) {
+  each_batch(entry, shapes, file, threads, [&](const std::vector<StackFrame>& frames, std::size_t) {
+    for (const StackFrame& frame : frames) series.add(frame.image.view());
+  });
 }
 
 }  // namespace apps

@@ -44,4 +44,8 @@ std::vector<StackShapes> shapes_of(const StacksFile& file, int bits, int threads
 calib::Stack read_stack(const StackEntry& entry, const StackShapes& shapes, const StacksFile& file,
                         FrameSource& source);
 
+/// The same frames once more: the values of the pixels of `series`, whose places are given.
+void read_series(const StackEntry& entry, const StackShapes& shapes, const StacksFile& file, int threads,
+                 calib::PixelSeries& series);
+
 }  // namespace apps

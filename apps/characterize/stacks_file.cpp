@@ -39,6 +39,8 @@ constexpr FieldInfo kWavelength =
     above(optional_row("wavelength", Dimension::length, "um", 0.0, 1e4, "\"530 nm\"", "of the light"));
 constexpr FieldInfo kNonlinearity = optional_row("nonlinearity", 0, 3, "1", "terms of the response");
 
+constexpr FieldInfo kLightStep = above(optional_row("step", Dimension::time, "s", 0.0, 1e9, "\"20 ms\"",
+                                                    "from frame to frame, between two of which the light steps"));
 constexpr FieldInfo kTrend = optional_row("trend", 0, 8, "2", "degree of the shading that is no part of PRNU");
 
 constexpr FieldInfo kWidth = optional_row("width", 2, 1 << 30, "640", "pixels of a row"),
@@ -96,8 +98,9 @@ std::optional<RawLayout> read_raw(const Section& stack) {
 }
 
 void read_stack(const Section& section, const FramesInMemory& memory, StacksFile& file) {
-  require_known(section, std::array<std::string_view, 10>{"name", "frames", "raw", "light", "photons", "irradiance",
-                                                          "temperature", "radiance", "relative", "exposure"});
+  require_known(section,
+                std::array<std::string_view, 11>{"name", "frames", "raw", "step", "light", "photons", "irradiance",
+                                                 "temperature", "radiance", "relative", "exposure"});
   StackEntry entry;
   const auto frames = cfg::read_string(section, "frames");
   if (!frames) {
@@ -114,6 +117,16 @@ void read_stack(const Section& section, const FramesInMemory& memory, StacksFile
     entry.files = files_of_pattern(cfg::beside(section.reader.folder, *frames));
   if (held == memory.end() && entry.files.empty())
     section.error("frames", "there is no file " + *frames + "; names are relative to the folder of this file");
+  if (const auto step = cfg::read_number(section, kLightStep, "step")) {
+    for (const FieldInfo& light : kLights)
+      if (section.find(light.name) != nullptr)
+        return section.error(light.name, "of frames whose light steps; remove it, their means alone are read");
+    if (std::ranges::any_of(file.stacks, [](const StackEntry& one) { return one.step_s > 0.0; }))
+      return section.error("step", "there is another stack whose light steps; give one");
+    entry.step_s = *step;
+    file.stacks.push_back(std::move(entry));
+    return;
+  }
   std::array<std::optional<double>, kLights.size()> given;
   for (std::size_t k = 0; k < kLights.size(); ++k) given[k] = cfg::read_number(section, kLights[k], kLights[k].name);
   const auto& time = given[static_cast<std::size_t>(LightUnit::exposure)];
@@ -217,14 +230,17 @@ StacksFile parse_stacks(const std::string& text, const std::string& file, const 
   result.blackbodies = read_blackbodies(light, options, result);
   if (result.stacks.empty() && reader.diagnostics.empty())
     reader.error({}, "stack", "there is none; write [[stack]] with frames = \"dark/*.png\" for each exposure");
-  for (const StackEntry& entry : result.stacks)
-    if (result.has_blackbodies() && entry.time_s != result.stacks.front().time_s)
+  const StackEntry* first = nullptr;
+  for (const StackEntry& entry : result.stacks) {
+    if (!result.has_blackbodies() || entry.step_s > 0.0) continue;
+    if (first == nullptr) first = &entry;
+    if (entry.time_s != first->time_s)
       reader.error({}, "stack",
-                   entry.name + " has another exposure than " + result.stacks.front().name +
+                   entry.name + " has another exposure than " + first->name +
                        ": counts go by the radiance of blackbodies alone; give frames of one exposure");
-  for (const StackEntry& entry : result.stacks)
-    if (result.has_blackbodies() && entry.light == 0.0)
+    if (entry.light == 0.0)
       reader.error({}, "stack", entry.name + " has no light, others are of blackbodies; give all temperatures");
+  }
   // Frames that count twice look better than they are.
   std::map<std::filesystem::path, std::string> seen;
   for (const StackEntry& entry : result.stacks)

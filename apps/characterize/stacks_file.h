@@ -16,6 +16,9 @@
 //   exposure = "10 ms"
 //   photons = 5200                  mean number at a pixel in an exposure; or irradiance = 0.02 (W/m^2, with [light]
 //                                   wavelength), or relative = 3.0; none of them: the light is as the exposure
+//   [[stack]]
+//   frames = "step/*.png"           successive frames, of which the light steps between two to another level: the lag
+//   step = "20 ms"                  from frame to frame
 // Frames of blackbodies have temperature = "308 K" or radiance = 45.0 (W m^-2 sr^-1 in the band of the nominal)
 // instead. Names of files are relative to the folder of this one. EMVA's descriptors give the same
 // (emva_descriptor.h).
@@ -57,6 +60,7 @@ struct StackEntry {
   std::optional<RawLayout> raw{};
   double light = 0.0;  ///< in the unit of the file; of irradiance W/m^2, of blackbodies K or radiance; 0 in the dark
   double time_s = 0.0;
+  double step_s = 0.0;  ///< from frame to frame, where the light steps; else 0
 };
 
 struct StacksFile {

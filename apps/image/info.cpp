@@ -3,6 +3,7 @@
 // `mtf info FILE`: format and metadata of a file, statistics of its pixels, and the command to run next.
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -10,6 +11,7 @@
 
 #include "apps/config_command.h"
 #include "apps/options.h"
+#include "apps/simulate/stated_camera.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
 #include "apps/text/json.h"
@@ -193,12 +195,34 @@ bool shows_one_edge([[maybe_unused]] const std::string& path, [[maybe_unused]] c
 #endif
 }
 
+/// The temperatures of counts by the file's own numbers, and what those are worth: "" where it states none.
+std::string counts_remark(const ImageFacts& facts) {
+  const auto stated = stated_camera(facts.info.attributes);
+  for (const ChannelFacts& channel : facts.channels) {
+    if (!stated || channel.channel.name != "counts" || !channel.min) continue;
+    const auto& [camera, assumed] = *stated;
+    std::string text = "temperatures of the counts";
+    for (const auto& [word, count] : {std::pair{" from ", *channel.min}, {" to ", *channel.max}}) {
+      const auto s = sensitivity_of(count, camera, assumed);
+      if (!std::isfinite(s.emissivity)) return text + ": some of them have none by " + thermometry_words(assumed);
+      text += word + significant(temperature_of(count, camera, assumed), 6) + " K (" +
+              significant(0.01 * s.emissivity, 2) + " K for 0.01 of emissivity, " + significant(s.reflected, 2) +
+              " K for 1 K of reflected, " + significant(0.01 * s.transmission, 2) +
+              " K for 0.01 of the air's transmission, " + significant(s.air, 2) + " K for 1 K of air)";
+    }
+    return text + ", by " + thermometry_words(assumed);
+  }
+  return "";
+}
+
 /// Reads the header and, one plane at a time, the pixels. Statistics are left out, with a remark, where they would take
 /// minutes. Throws as read_info and read_image.
 ImageFacts image_facts(const InfoOptions& options) {
   ImageFacts facts;
   facts.path = options.file;
   facts.info = mtf::io::read_info(options.file);
+  if (facts.info.format == mtf::io::Format::tiff && options.read.part)  // another page
+    facts.info = mtf::io::read_image(options.file, options.read).info;
   facts.values = meaning(facts.info);
   facts.remarks = facts.info.notes;
   for (std::string remark : {encoding_remark(facts.info), mtf::io::aspect_note(facts.info)})
@@ -216,6 +240,7 @@ ImageFacts image_facts(const InfoOptions& options) {
     measure_in_turn(facts, options);
   else
     measure_raster(facts, options);
+  if (std::string remark = counts_remark(facts); !remark.empty()) facts.remarks.push_back(std::move(remark));
   if (const std::optional<ReadOptions> read = choice_of(options.file, facts.info, options)) {
     const std::string file = shell_word(options.file) + words_of(*read);
     const bool taken = std::filesystem::path(options.file).filename() == "out.exr";

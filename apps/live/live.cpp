@@ -2,7 +2,6 @@
 
 // `mtf live [SENSOR SCENE]`: the live view in the browser.
 
-#include <malloc.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -32,6 +31,7 @@
 #include "mtf/io/config/config_reader.h"
 #include "mtf/io/file_checks.h"
 #include "mtf/units.h"
+#include "mtf/work/heap.h"
 
 namespace apps {
 namespace {
@@ -39,16 +39,9 @@ namespace {
 using namespace live;
 
 /// The memory of pictures comes and goes with every frame, and touching a page of it for the first time may take 15 us
-/// on a virtual machine: 5 ms for a picture of 640 x 512. So there is one heap for all threads, and what is free in it
-/// stays for the next picture, up to 256 MiB at its end; blocks of 32 MiB and more go back to the system. Called before
-/// there are threads.
-void keep_memory() {
-#ifdef __GLIBC__
-  mallopt(M_ARENA_MAX, 1);
-  mallopt(M_MMAP_THRESHOLD, 32 << 20);
-  mallopt(M_TRIM_THRESHOLD, 256 << 20);
-#endif
-}
+/// on a virtual machine: 5 ms for a picture of 640 x 512. So what is free stays for the next picture.
+constexpr mtf::HeapRules kKeepPictures{
+    .returned_from = 32 << 20, .kept_at_end = 256 << 20, .one_for_all_threads = true};
 
 /// What the session is being made of, in words for a page that waits for it.
 class Waiting {
@@ -147,7 +140,7 @@ std::shared_ptr<Session> image_session(const LiveOptions& options, SessionOption
 }  // namespace
 
 int run_live(const LiveOptions& options, const Global& global) {
-  keep_memory();
+  mtf::set_heap(kKeepPictures);
   if (options.first.empty() != options.second.empty())
     throw mtf::UsageError("name a sensor file and a scene, or neither for the demo");
   const bool space = options.second.ends_with(".toml");

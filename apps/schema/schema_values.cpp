@@ -52,7 +52,9 @@ Json reference(const std::string& name) { return {{"$ref", "#/definitions/" + na
 Json fittable(const FieldInfo& parameter) {
   const std::string name = dimension_name(parameter.dimension);
   const Json number = parameter.dimension == mtf::Dimension::none ? number_schema(parameter) : reference(name);
-  return {{"anyOf", {number, reference("fit_" + name), reference("field_" + name)}}};
+  Json either{{"anyOf", {number, reference("fit_" + name), reference("field_" + name)}}};
+  if (!parameter.words.empty()) either["anyOf"].push_back(words_schema(parameter.words));
+  return either;
 }
 
 Json bare_value(const FieldInfo& parameter) {

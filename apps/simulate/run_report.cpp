@@ -59,6 +59,9 @@ Json plan_json(const mtf::Plan& plan) {
                      {"modes", r.field.modes},
                      {"tiles", r.field.tiles},
                      {"one_otf_error", r.field.one_otf_error}};
+    if (const auto& ranges = r.field.ranges)
+      json["field"]["range_m"] = {ranges->nearest_m, ranges->farthest_m},
+      json["field"]["least_weight"] = ranges->least_weight;
     json["predicted_parts"]["field"] = e.modes;
   }
   return json;

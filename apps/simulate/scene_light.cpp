@@ -6,6 +6,7 @@
 
 #include "apps/sensor/otf_curves.h"
 #include "apps/sensor/sensor_chain.h"
+#include "apps/simulate/stated_camera.h"
 #include "apps/text/message_words.h"
 #include "mtf/error.h"
 #include "radiometry/light/path_planes.h"
@@ -66,8 +67,11 @@ class Converter {
         band_(loaded.paths ? radiometry::scene_band(loaded.sensor.curves)
                            : radiometry::scene_band(loaded.sensor.curves, loaded.sensor.path)),
         quantity_(scene.quantity),
+        counts_(settings_.counts),
+        emissivity_(loaded.sensor.emissivity),
         weighted_(is_weighted(scene)),
         options_{.negative = scene_.negative, .threads = threads} {
+    if (quantity_ == Quantity::counts) take_stated(scene);
     const Quantity quantity = quantity_;
     const bool surfaces = is_of_surfaces();
     const bool finish = scene_.surroundings_k || !scene_.emissivity.file.empty() || scene_.emissivity.number != 1.0 ||
@@ -92,8 +96,7 @@ class Converter {
     switch (quantity_) {
       case Quantity::temperature:
         radiance_of_temperature(image.view(), band_,
-                                {loaded_.sensor.emissivity, emissivity.view(), scene_.surroundings_k.value_or(0.0)},
-                                options_);
+                                {emissivity_, emissivity.view(), scene_.surroundings_k.value_or(0.0)}, options_);
         break;
       case Quantity::radiance:
       case Quantity::photon_radiance:
@@ -102,8 +105,7 @@ class Converter {
         break;
       case Quantity::counts:
         to_temperature(image);
-        radiance_of_temperature(image.view(), band_,
-                                {loaded_.sensor.emissivity, {}, scene_.surroundings_k.value_or(0.0)}, options_);
+        radiance_of_temperature(image.view(), band_, {emissivity_, {}, scene_.surroundings_k.value_or(0.0)}, options_);
         break;
     }
   }
@@ -114,8 +116,7 @@ class Converter {
     const auto path = path_light();
     if (quantity_ == Quantity::temperature) {
       const auto light = std::make_shared<const radiometry::TemperatureRadiance>(
-          band_, loaded_.sensor.emissivity, scene_.surroundings_k.value_or(0.0), std::max(least, 0.0),
-          std::max(largest, 0.0));
+          band_, emissivity_, scene_.surroundings_k.value_or(0.0), std::max(least, 0.0), std::max(largest, 0.0));
       return [light, path](mtf::ImageView<float> window) {
         light->apply(window);
         add(path, window);
@@ -144,8 +145,8 @@ class Converter {
       if (quantity_ == Quantity::counts) to_temperature(image);
       const mtf::Statistics warm = mtf::statistics(image.view());
       interpolation = radiometry::radiance_at_ranges(
-          image.view(), range_m.view(), band_,
-          {loaded_.sensor.emissivity, emissivity.view(), scene_.surroundings_k.value_or(0.0)}, *paths.table, options_);
+          image.view(), range_m.view(), band_, {emissivity_, emissivity.view(), scene_.surroundings_k.value_or(0.0)},
+          *paths.table, options_);
       before = black(std::max({warm.max, scene_.surroundings_k.value_or(0.0), 0.0}));
     } else {
       before = mtf::statistics(image.view()).max;
@@ -170,17 +171,38 @@ class Converter {
 
   const radiometry::SceneSettings& scene() const { return scene_; }
   const radiometry::SceneBand& band() const { return band_; }
+  /// What a file says of its counts and is used; "" for nothing.
+  const std::string& note() const { return note_; }
 
  private:
+  /// The file of a camera says what its counts are; what the sensor file says comes first. Emissivity and surroundings
+  /// are one statement: the file's where [scene] has neither.
+  void take_stated(const mtf::io::Scene& scene) {
+    if (const auto stated = stated_camera(scene.info.attributes)) {
+      assumed_ = stated->assumed;
+      if (!counts_) counts_ = stated->camera;
+      if (scene_.emissivity.file.empty() && scene_.emissivity.number == 1.0 && !scene_.surroundings_k) {
+        scene_.emissivity.number = stated->assumed.emissivity;
+        scene_.surroundings_k = stated->assumed.reflected_k;
+        emissivity_ = radiometry::constant_spectrum("the file's", stated->assumed.emissivity);
+      }
+    }
+    assumed_.emissivity = scene_.emissivity.number;
+    assumed_.reflected_k = scene_.surroundings_k.value_or(0.0);
+    if (stated_camera(scene.info.attributes))
+      note_ = "counts are temperatures by " +
+              std::string(settings_.counts ? "[camera_counts]" : "the constants of the camera in the file") + " with " +
+              thermometry_words(assumed_) +
+              "; [camera_counts], and emissivity with surroundings of [scene], override the file";
+  }
+
   /// Counts become the temperatures of the surfaces themselves.
   void to_temperature(mtf::Image& image) const {
-    if (!settings_.counts)
+    if (!counts_)
       throw mtf::UsageError(file_ +
                             ": a scene of counts needs [camera_counts] with the constants of the camera that wrote "
                             "it, or [scene] quantity and gain that make a radiance or temperature of them");
-    temperature_of_counts(image.view(), *settings_.counts,
-                          {.emissivity = scene_.emissivity.number, .reflected_k = scene_.surroundings_k.value_or(0.0)},
-                          options_.threads);
+    temperature_of_counts(image.view(), *counts_, assumed_, options_.threads);
   }
 
   /// Weighted radiance of a blackbody.
@@ -227,6 +249,10 @@ class Converter {
   radiometry::SceneSettings scene_;
   radiometry::SceneBand band_;
   Quantity quantity_;
+  std::optional<radiometry::CountCamera> counts_;
+  radiometry::Thermometry assumed_;  ///< of counts
+  radiometry::Spectrum emissivity_;
+  std::string note_;
   bool weighted_;
   radiometry::PlaneOptions options_;
 };
@@ -307,6 +333,7 @@ SceneLight to_light(const mtf::io::SensorConfig& config, const LoadedSensor& loa
   } else {
     convert.add_path(plane);
   }
+  if (!convert.note().empty()) light.warnings.push_back(source.file + ": " + convert.note());
   if (config.scene.border != mtf::Border::constant) return light;
   if (ranged)
     throw mtf::UsageError(config.file +

@@ -11,6 +11,7 @@
 #include "apps/simulate/simulate_parts.h"
 #include "apps/simulate/tiles/simulate_tiles.h"
 #include "apps/text/message_words.h"
+#include "mtf/field/sample_ranges.h"
 
 namespace apps {
 namespace {
@@ -27,6 +28,29 @@ std::vector<std::string> inputs_of(const mtf::io::SensorConfig& sensor, const Sc
   return inputs;
 }
 
+/// The range of each sample, of a sensor whose defocus goes by it (mtf/field/sample_ranges.h).
+std::shared_ptr<const mtf::Image> ranges_of(const SensorRun& sensor, const SceneSource& source,
+                                            const SimulateOptions& options) {
+  const auto entry = mtf::entry_by_range(sensor.system());
+  if (!entry) return nullptr;
+  const std::string key = sensor.config().file + ": presample[" + std::to_string(*entry) + "].focus: ";
+  if (options.nan == NanPolicy::propagate)
+    throw mtf::UsageError(key +
+                          "which pixels a bad one reaches is not known where defocus goes by range; use --nan fill");
+  if (source.filter || (sensor.chain() && sensor.chain()->loaded.sensor.settings.distortion))
+    throw mtf::UsageError(key + "defocus by range takes samples that stay where their ranges are; leave out " +
+                          (source.filter ? "the filter of the scene" : "[distortion]"));
+  std::string channel = "Z";
+  if (sensor.chain())
+    if (const auto& scene = sensor.chain()->loaded.sensor.settings.scene; scene && !scene->depth_channel.name.empty())
+      channel = scene->depth_channel.name;
+  try {
+    return std::make_shared<const mtf::Image>(plane_beside(source, channel));
+  } catch (const mtf::UsageError& error) {
+    throw mtf::UsageError(key + error.what());
+  }
+}
+
 SimulateResult simulate_whole(const SensorRun& sensor, SceneSource& source, const SimulateOptions& options) {
   SimulateResult result;
   RunReport& report = result.report;
@@ -35,6 +59,7 @@ SimulateResult simulate_whole(const SensorRun& sensor, SceneSource& source, cons
   Frame frame;
   frame.sensor = sensor;
   frame.region = options.region;
+  const std::shared_ptr<const mtf::Image> range_m = ranges_of(sensor, source, options);
   load_own(frame, std::move(source), options.nan, options.threads, &watch);
   const mtf::io::Scene& scene = frame.input->scene;
   report.bad_pixels = frame.input->bad_pixels;
@@ -42,8 +67,9 @@ SimulateResult simulate_whole(const SensorRun& sensor, SceneSource& source, cons
 
   mtf::PlanOptions plan_options = plan_options_of(options, sensor, scene, frame.input->summary);
   plan_options.progress = watch.planning();
+  plan_options.range_m = range_m;
   const bool bad = any_bad(frame.input->masks);
-  if (sensor.is_linear() && !bad && !options.device.device)
+  if (sensor.is_linear() && !bad && !range_m && !options.device.device)
     frame.tiles = flat_tiles(sensor.config(), scene, plan_options, report);
   // Which pixels a bad one changes is asked of the plan: it has to hold for more than this scene.
   if (!frame.tiles && !bad) plan_options.spectrum = spectrum_of_all(scene, plan_options.border, options.threads);
@@ -112,7 +138,9 @@ SimulateResult simulate(const mtf::io::SensorConfig& sensor, SceneSource scene, 
   }
   require_writable(outputs, inputs);
   const SensorRun run(sensor, options.stage);
-  if (!wants_tiles(run, scene, options)) return simulate_whole(run, scene, options);
+  const bool by_range = mtf::entry_by_range(run.system()).has_value();
+  if (by_range && options.memory) mtf::refuse_range(run.system(), sensor.file + ": an image in tiles (--memory)");
+  if (by_range || !wants_tiles(run, scene, options)) return simulate_whole(run, scene, options);
   if (!options.out.empty())
     for (const char* suffix : {".part", ".part.tiles"}) {  // where finished tiles are kept
       for (const std::string& input : inputs) require_different(input, options.out + suffix);

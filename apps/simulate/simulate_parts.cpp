@@ -142,6 +142,7 @@ std::optional<mtf::SceneSummary> harder_of(std::optional<mtf::SceneSummary> a,
   if (!a || !b) return a ? a : b;
   a->largest = std::max(a->largest, b->largest / b->std * a->std);
   a->error = std::max(a->error, b->error / b->std * a->std);
+  a->deviation = std::max(a->deviation, b->deviation / b->std * a->std);
   a->canvas_norm = std::max(a->canvas_norm, b->canvas_norm / b->std * a->std);
   a->flat_rows = std::min(a->flat_rows, b->flat_rows);
   a->flat_columns = std::min(a->flat_columns, b->flat_columns);

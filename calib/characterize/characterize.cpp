@@ -8,7 +8,6 @@
 
 #include "calib/characterize/defect_pixels.h"
 #include "calib/characterize/rounding.h"
-#include "calib/characterize/trend.h"
 #include "calib/fit/fit_report.h"
 #include "mtf/error.h"
 #include "mtf/words.h"
@@ -44,44 +43,6 @@ std::vector<Stack*> by_light(std::vector<Stack>& stacks) {
     return a->light != b->light ? a->light < b->light : a->time_s < b->time_s;
   });
   return sorted;
-}
-
-/// Marks the stacks from which on the noise is a third below the largest, which is that of light: pixels are full; and
-/// those just before in which some are, whose noise is down already. Where noise falls from the dark on the frames are
-/// processed, where the mean falls stacks and light are paired wrongly; both are refused.
-void mark_saturated(const std::vector<Stack*>& stacks) {
-  const auto noise = [](const Stack& stack) { return stack.sums.squares.value[kTvh]; };
-  for (Stack* const stack : stacks) stack->saturates = false;
-  /// Of the stacks that are not full and have less light than one: the brightest, and the largest noise.
-  struct Below {
-    const Stack* last = nullptr;
-    double peak = 0.0;
-  };
-  std::vector<Below> below(stacks.size());
-  Below less, met;  // of less light than the stack at hand, and of all before it
-  const Stack* dark = nullptr;
-  std::size_t first = stacks.size();
-  for (std::size_t i = 0; i < stacks.size(); ++i) {
-    Stack& stack = *stacks[i];
-    if (!stack.is_usable()) continue;
-    if (dark == nullptr) dark = &stack;
-    if (met.last != nullptr && met.last->light < stack.light) less = met;
-    below[i] = less;
-    if (first == stacks.size() && less.last != nullptr && less.last->light > dark->light) {
-      const double expected = (less.last->sums.mean - dark->sums.mean) / (less.last->light - dark->light);
-      const double rise = stack.sums.mean - less.last->sums.mean, due = expected * (stack.light - less.last->light);
-      if (rise > -1e-3 * due && noise(stack) < 0.67 * less.peak && less.peak > 1.5 * noise(*dark)) first = i;
-    }
-    stack.saturates = first != stacks.size();
-    if (!stack.saturates) met = {&stack, std::max(met.peak, noise(stack))};
-  }
-  if (first == stacks.size()) return;
-  while (first-- > 0) {
-    Stack& stack = *stacks[first];
-    const Stack* const last = below[first].last;
-    if (!stack.is_usable() || last == nullptr || !(last->light > dark->light) || !(noise(stack) < noise(*last))) return;
-    stack.saturates = true;
-  }
 }
 
 /// Relative variance of the light from frame to frame, less that of the dark; 0 where it is not above 3 sd.
@@ -138,7 +99,8 @@ class Analysis {
     add_lines();
     add_patterns();
     add_slow_noise(slow_, result_.dark, gain_, result_);
-    add_noise_in_time(result_.stacks, result_.findings, result_.warnings, slow_.found);
+    add_noise_in_time(result_.stacks, result_.findings, result_.warnings, slow_.found || blinking_.found(),
+                      blinking_.explained());
     add_unknowable();
   }
 
@@ -194,6 +156,7 @@ class Analysis {
   PlaneSquares dark_, response_;  ///< of the dark stack's pattern, and of that of the light
   Trend trend_;                   ///< that was taken from the latter
   DefectSums defects_;
+  BlinkingPixels blinking_;
   bool hot_changes_ = false;
   SlowNoise slow_;
   double working_ = 1.0;     ///< share of the pixels that are not dead
@@ -207,31 +170,52 @@ void Analysis::find_planes() {
   if (dark == nullptr) return;
   const CrosstalkEstimate& c = result_.crosstalk;
   const double side = c.found ? c.side.value : 0.0, corner = c.corner_found ? c.corner.value : 0.0;
-  const auto squares_of = [&](mtf::Image plane, int trend) {
-    PlaneSquares squares = plane_squares(plane.view(), trend);
+  std::set<std::int64_t> without;
+  const auto squares_of = [&](const mtf::Image& given, int trend) {
+    PlaneSquares squares = plane_squares(given.view(), trend, without);
     if (!c.found || squares.defects.empty()) return squares;
+    mtf::Image plane = given.clone();
     take_back_leaks(plane, squares.defects, side, corner);
-    return plane_squares(plane.view(), trend);
+    return plane_squares(plane.view(), trend, without);
   };
   result_.dark = static_cast<int>(dark - result_.stacks.data());
-  dark_ = squares_of(dark->sums.pattern.clone(), 0);
+  dark_ = squares_of(dark->sums.pattern, 0);
+  mtf::Image lit;
   if (bright != nullptr) {
     result_.bright = static_cast<int>(bright - result_.stacks.data());
-    mtf::Image lit = pattern_difference(*bright, *dark);
+    lit = pattern_difference(*bright, *dark);
     trend_ = remove_trend(lit.view(), options_.trend);
     result_.trend = trend_.degree;
-    response_ = squares_of(std::move(lit), trend_.degree);
+    response_ = squares_of(lit, trend_.degree);
   }
   if (is_hidden_by_rounding(*dark)) return;
   if (!c.found) slow_ = slow_noise_of(*dark);
-  for (Stack& stack : result_.stacks) stack.sums.lasting = slow_.of_mean(stack.sums.squares.frames);
-  defects_ = defect_sums(dark->sums.noise, dark_, bright != nullptr ? &response_ : nullptr,
-                         bright != nullptr ? bright->sums.mean - dark->sums.mean : 0.0);
+  const double signal = bright != nullptr ? bright->sums.mean - dark->sums.mean : 0.0;
+  blinking_ = {};
+  if (bright != nullptr && signal > 0.0 && !(rounding_of(*dark) > 1e-4)) {
+    const double shot = (bright->sums.squares.value[kTvh] - dark->sums.squares.value[kTvh]) / signal;
+    blinking_ = blinking_pixels(dark->sums, dark_, std::max(0.0, shot), side);
+  }
+  if (blinking_.found()) {  // their mean frames are other ones in each stack
+    without = blinking_.restless;
+    dark_ = squares_of(dark->sums.pattern, 0);
+    response_ = squares_of(lit, trend_.degree);
+  }
+  const std::set<std::int64_t>& restless = without;
+  defects_ = defect_sums(dark_, bright != nullptr ? &response_ : nullptr, signal, restless);
   own_charge_ = 1.0 - 4.0 * (side + corner);
   defects_.mean /= own_charge_;
   // What hot pixels add grows with the exposure, or does not: of several exposures it is left where it is.
   hot_changes_ = options_.counts_time && exposures_differ(result_.stacks);
-  if (hot_changes_) defects_.mean = defects_.variance = defects_.scatter = 0.0;
+  if (hot_changes_) defects_.mean = 0.0, defects_.with_noise.clear();
+  const auto columns = static_cast<std::int64_t>(dark_.columns);
+  for (const std::int64_t place : restless)  // and what crosstalk gives their neighbours
+    for (const std::int64_t away : {std::int64_t{0}, -columns, std::int64_t{-1}, std::int64_t{1}, columns})
+      if (away == 0 || side > 0.0) defects_.with_noise.insert(place + away);
+  for (Stack& stack : result_.stacks) {
+    stack.sums.lasting = slow_.of_mean(stack.sums.squares.frames);
+    leave_out(stack.sums, defects_.with_noise, blinking_.slowness());
+  }
   working_ = 1.0 - static_cast<double>(defects_.dead) / (dark_.rows * dark_.columns);
 }
 
@@ -257,11 +241,14 @@ void Analysis::make_levels() {
     TransferLevel level{.light = stack.light, .time_s = stack.time_s, .mean = s.mean - taken_};
     level.mean_variance = (lines ? std::max(v, s.squares.value[kTv] + s.squares.value[kTh] - v) : v) / n +
                           (pattern + s.lasting) * T / n + (frames ? dark_frames.variance / T : 0.0);
-    level.variance = v - defects_.variance - slow_.within(T);
+    level.mean_variance += blinking_.mean_variance(T, s.squares.rows * s.squares.columns);
+    const Estimate unseen = static_cast<int>(i) == result_.dark ? Estimate() : blinking_.unseen(T);
+    level.variance = v - s.apart.value - unseen.value - slow_.within(T);
     level.shared = shared_variance(s.squares);
     level.dof = s.squares.dof(kTvh) * slow_.freedom(v, T) * square(level.variance / (level.variance + slow_.within(T)));
-    // In other stacks defective pixels have other noise of the same variance.
-    if (static_cast<int>(i) != result_.dark) level.dof /= 1.0 + defects_.scatter / square(level.variance);
+    if (s.apart.value != 0.0)
+      level.dof = 2.0 / (2.0 * static_cast<double>(s.rows_apart) / level.dof +
+                         square(std::hypot(s.apart.sd, unseen.sd) / level.variance));
     // Rounded noise of a pixel is not normal; what it shares scatters with it.
     if (v < 1.5) level.variance_sd = s.variance_sd * v / (v + level.shared);
     level.light_sd = std::sqrt(square(options_.light_repeatability) + flicker / T);
@@ -469,7 +456,7 @@ void Analysis::add_patterns() {
   // The planes are without defects, whose noise is in the mean squares.
   const auto averaged = [&](const Stack& stack) {
     const double T = stack.sums.squares.frames;
-    return AveragedStack{stack.sums.squares, rounding_of(stack) + stack.sums.lasting - defects_.variance / T,
+    return AveragedStack{stack.sums.squares, rounding_of(stack) + stack.sums.lasting - stack.sums.apart.value / T,
                          slow_.of_mean_sd(T)};
   };
   const AveragedStack dark_stack = averaged(*dark);
@@ -480,10 +467,12 @@ void Analysis::add_patterns() {
     add_rms("fixed_column", "e-", fixed.column, gain_, dark->name, fixed.column_sd_array);
     warn_of_shape("dsnu", plane, result_.warnings);
     result_.defects = plane.defects;
+    const Estimate own_gain{gain_.value * own_charge_, gain_.sd * own_charge_};
     if (hot_changes_)
       not_determined("hot_fraction", "", std::string(kHotChanges));
     else
-      add_hot_pixels(defects_, dark_, {gain_.value * own_charge_, gain_.sd * own_charge_}, dark->name, result_);
+      add_hot_pixels(defects_, dark_, own_gain, "e-", dark->name, result_);
+    if (!(rounding_of(*dark) > 1e-4)) add_blinking_pixels(blinking_, own_gain, "e-", dark->name, result_);
     if (bright != nullptr) add_dead_pixels(defects_, dark_.rows * dark_.columns, dark->name, result_);
   } else if (bright != nullptr) {
     not_determined("dead_fraction", "", hidden_why());

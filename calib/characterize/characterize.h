@@ -19,10 +19,12 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "calib/characterize/blinking_pixels.h"
 #include "calib/characterize/crosstalk_estimate.h"
 #include "calib/characterize/pattern.h"
 #include "calib/characterize/photon_transfer.h"
@@ -38,26 +40,43 @@ struct StackSummary {
   std::array<Covariance, kLags.size()> covariance{};
   double variance_sd = 0.0, share_low = 0.0, share_high = 0.0, von_neumann = 2.0;
   FrameDrift drift{};
-  Estimate frame_correlation{};  ///< of a pixel's noise in successive frames; sd of independent ones, 0: not known
-  std::int64_t noisy = 0,
-               looked_at = 0;  ///< pixels whose variance the noise of the others hardly makes, and of how many
-  std::map<int, std::int64_t> by_variance{};  ///< pixels, by ln(variance / mean of all) in units of variance_bin()
+  Estimate frame_correlation{};    ///< of a pixel's noise in successive frames; sd of independent ones, 0: not known
+  std::vector<float> variances{};  ///< of pixels in time, those of every `rows_apart`-th row
+  std::int64_t rows_apart = 1;
   TimeSpectra in_time{};
   std::uint32_t step = 1;
+  std::vector<double> frame_means{};
   double lasting = 0.0;  ///< what 1/f noise adds to the variance of a pixel's mean over the frames, counts^2
+  Estimate apart{};      ///< what pixels that are left out add to the mean square tvh, counts^2
+  PixelSeries series{};  ///< of noisy pixels, from a second reading; may be empty
   mtf::Image pattern{};  ///< pixel means less the mean of all; may be empty
   NoiseScales noise{};   ///< empty where that is
 };
 /// Throws UsageError for a single frame.
 StackSummary summary_of(const StackStatistics& stack);
+/// Variance of a pixel as most are: by the median of all.
+double typical_variance(const StackSummary& stack);
+/// Pixels whose temporal variance the noise of the others hardly makes (kNoisy_p), by their places along rows; and the
+/// series of them to be read, of no more than kMostSeriesValues in all.
+std::vector<std::int64_t> noisy_places(const StackSummary& stack);
+PixelSeries empty_series(const StackSummary& stack);
+/// Of a pixel in one of the rows that are kept.
+inline double variance_at(const StackSummary& stack, std::int64_t place) {
+  const auto columns = static_cast<std::int64_t>(stack.squares.columns);
+  const std::int64_t row = place / columns / stack.rows_apart;
+  return static_cast<double>(stack.variances[static_cast<std::size_t>(row * columns + place % columns)]);
+}
+/// Sets `apart` and `variance_sd` for pixels that are left out. What rows, columns and frames share is told from all
+/// pixels, those that are left out too, whose own noise lets it scatter: below 3 standard deviations, `slowness` times
+/// those of noise without memory, none is assumed, and its error stays.
+void leave_out(StackSummary& stack, const std::set<std::int64_t>& places, double slowness);
+/// Pixels by ln(variance / mean of all) in units of variance_bin().
+std::map<int, std::int64_t> pixels_by_variance(const StackSummary& stack);
 /// A quarter of the relative standard deviation of a pixel's variance.
 inline double variance_bin(const StackSummary& stack) { return 0.25 * std::sqrt(2.0 / (stack.squares.frames - 1.0)); }
 /// Relative variance of a mean, over so many pixels in so many rows, of products of their noise in time, of which each
 /// has that of a normal number times another.
 double variance_of_products(const StackSummary& stack, double pixels, double rows);
-
-/// The probability that a pixel of normal noise, as the others have, is counted as noisy.
-inline constexpr double kNoisy_p = 1e-7;
 
 struct Stack {
   std::string name;
@@ -80,7 +99,7 @@ struct CharacterizeOptions {
   int nonlinearity = 0;              ///< terms of the response: 0, 1 (a2), 2 (a2, a3), 3 (a2, a3, a4)
   double full_well_e = 0.0;          ///< to which they refer; 0: the range of counts up to `most_counts` by the gain
   double most_counts = 0.0;          ///< the largest count of the converter
-  int trend = 2;                     ///< degree of the shading that is no part of the response's pattern (trend.h)
+  int trend = 2;                     ///< degree of the shading that is no part of the response's pattern (pattern.h)
   double light_repeatability = 0.0;  ///< relative sd of the light from stack to stack
   bool counts_time = false;  ///< the times of the stacks are known: dark current where dark stacks differ in them
   double misfit_p = 1e-3;    ///< below, the model does not describe the frames
@@ -131,6 +150,10 @@ struct Characterization {
 /// frames tell. Neighbours that share noise raise the component of
 /// their line, which is undone.
 std::array<Estimate, kLags.size()> pixel_covariance(const StackSummary& stack);
+/// Marks the stacks from which on the noise is a third below the largest, which is that of light: pixels are full; and
+/// those just before in which some are, whose noise is down already. Where noise falls from the dark on the frames are
+/// processed, where the mean falls stacks and light are paired wrongly; both are refused.
+void mark_saturated(const std::vector<Stack*>& by_light);
 /// Why a stack that is not usable is left out, and whether rounding hides the noise of one: kHidden_counts of
 /// rounding.h, and the pixels are within half a count of each other.
 std::string clipped_words(const Stack& stack);
@@ -147,9 +170,10 @@ mtf::Image pattern_difference(const Stack& stack, const Stack& other);
 void warn_of_neighbours(const Stack& dark, std::vector<std::string>& warnings);
 /// Adds what the noise of a pixel is in time, and warnings where frames are not independent, or some pixels are noisier
 /// than normal noise makes any: `frame_correlation` and `noisy_pixels` of the stack with
-/// the least light, as neither grows with it. `known`: 1/f noise is found, and no warning needed.
+/// the least light, as neither grows with it. `known`: 1/f noise or blinking is found, and no warning needed.
+/// `explained`: how many noisy pixels are known to be so.
 void add_noise_in_time(const std::vector<Stack>& by_light, std::vector<Finding>& findings,
-                       std::vector<std::string>& warnings, bool known = false);
+                       std::vector<std::string>& warnings, bool known = false, double explained = 0.0);
 /// Of the stack's dark frames; and what add_noise_in_time's correlation is of, as flicker_octave with flicker_lowest,
 /// and flicker_corner.
 SlowNoise slow_noise_of(const Stack& dark);

@@ -6,6 +6,8 @@
 #include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
 
+#include "calib/fit/fit_report.h"
+
 namespace calib {
 namespace {
 
@@ -63,9 +65,17 @@ VarianceComponent variance_component(const radiometry::MeanSquares& squares, rad
   return variance_component(terms_of(squares, part));
 }
 
+void widen(VarianceComponent& c, double sd) {
+  c.low95 = c.variance - std::hypot(c.variance - c.low95, k95_sd * sd);
+  c.high95 = c.variance + std::hypot(c.high95 - c.variance, k95_sd * sd);
+  c.sd = std::hypot(c.sd, sd);
+}
+
 double chi_square_tail(double chi2, double dof) {
   return dof > 0.0 ? boost::math::gamma_q(0.5 * dof, 0.5 * std::max(0.0, chi2)) : 1.0;
 }
+
+double chi_square_median(double dof) { return std::pow(1.0 - 2.0 / (9.0 * dof), 3.0); }
 
 double poisson_tail(double count, double mean) {
   return count > 0.0 ? 1.0 - chi_square_tail(2.0 * mean, 2.0 * count) : 1.0;

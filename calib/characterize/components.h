@@ -40,8 +40,13 @@ std::vector<MeanSquareTerm> terms_of(const radiometry::MeanSquares& squares, rad
                                      double factor = 1.0);
 VarianceComponent variance_component(const radiometry::MeanSquares& squares, radiometry::CubePart part);
 
+/// Adds the independent error of a number that was subtracted.
+void widen(VarianceComponent& component, double sd);
+
 /// Probability that chi-square of noise is at least as large.
 double chi_square_tail(double chi2, double dof);
+/// Median of chi-square over its degrees of freedom (Wilson and Hilferty, 1931).
+double chi_square_median(double dof);
 /// Probability that a number of events of which `mean` are expected is at least `count`, and the 95 % limits of that
 /// mean where `count` occurred.
 double poisson_tail(double count, double mean);

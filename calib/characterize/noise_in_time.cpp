@@ -78,7 +78,7 @@ void add_slow_noise(const SlowNoise& slow, int dark, const Estimate& gain, Chara
 }
 
 void add_noise_in_time(const std::vector<Stack>& stacks, std::vector<Finding>& findings,
-                       std::vector<std::string>& warnings, bool known) {
+                       std::vector<std::string>& warnings, bool known, double explained) {
   const Stack *least = nullptr, *clearest = nullptr;
   const auto clear = [](const Stack& one) {
     const Estimate& e = one.sums.frame_correlation;
@@ -101,15 +101,17 @@ void add_noise_in_time(const std::vector<Stack>& stacks, std::vector<Finding>& f
         "number of frames, and behind a filter gain and noise are wrong; give raw frames");
   // Light makes the variances of pixels differ, and so does rounding below 0.4 counts, of which 1e-4 is fixed.
   const bool is_dark = least->light == 0.0 || least->light_per_k > 0.0;
-  if (!is_dark || least->sums.looked_at == 0 || rounding_of(*least) > 1e-4) return;
-  const auto count = static_cast<double>(least->sums.noisy), of = static_cast<double>(least->sums.looked_at);
+  if (!is_dark || rounding_of(*least) > 1e-4) return;
+  const auto count = static_cast<double>(noisy_places(least->sums).size()),
+             of = static_cast<double>(least->sums.variances.size());
   findings.push_back(
       share_finding("noisy_pixels", count, of, least->name + ", temporal variance above that of the others"));
-  if (poisson_tail(count, kNoisy_p * of) < 1e-3)
+  if (poisson_tail(count, kNoisy_p * of + explained) < 1e-3)
     warnings.push_back(least->name +
                        ": pixels that are noisier than the noise of the others makes any, as those that blink: " +
-                       std::to_string(least->sums.noisy) + " of " + std::to_string(least->sums.looked_at) +
-                       "; the twin's pixels are all alike, with the same mean variance");
+                       mtf::significant(count, 9) + " of " + mtf::significant(of, 9) +
+                       (explained > 0.0 ? ", where hot and blinking ones are about " + mtf::significant(explained, 3)
+                                        : "; the twin's pixels are all alike, with the same mean variance"));
 }
 
 }  // namespace calib

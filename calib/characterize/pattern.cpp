@@ -6,7 +6,6 @@
 #include <numbers>
 
 #include "calib/edge/median.h"
-#include "calib/fit/fit_report.h"
 #include "mtf/engines/statistics.h"
 #include "mtf/words.h"
 
@@ -69,6 +68,30 @@ double cut_variance() {
   return 1.0 - 2.0 * kFar_sd * density / (1.0 - std::erfc(kFar_sd / std::numbers::sqrt2));
 }
 
+constexpr int kTrendPasses = 10;
+constexpr std::int64_t kPixelsADegree = 8;
+
+/// Of degrees 0 to n at `count` places: [degree][place], orthonormal.
+std::vector<std::vector<double>> orthonormal(std::int64_t count, int n) {
+  std::vector<std::vector<double>> p(static_cast<std::size_t>(n) + 1,
+                                     std::vector<double>(static_cast<std::size_t>(count)));
+  const double middle = 0.5 * static_cast<double>(count - 1);
+  for (std::size_t k = 0; k < p.size(); ++k) {
+    for (std::size_t i = 0; i < p[k].size(); ++i)
+      p[k][i] = k == 0 ? 1.0 : p[k - 1][i] * (static_cast<double>(i) - middle) / middle;
+    for (int twice = 0; twice < 2; ++twice)  // once loses digits
+      for (std::size_t before = 0; before < k; ++before) {
+        double product = 0.0;
+        for (std::size_t i = 0; i < p[k].size(); ++i) product += p[k][i] * p[before][i];
+        for (std::size_t i = 0; i < p[k].size(); ++i) p[k][i] -= product * p[before][i];
+      }
+    double square = 0.0;
+    for (const double value : p[k]) square += value * value;
+    for (double& value : p[k]) value /= std::sqrt(square);
+  }
+  return p;
+}
+
 }  // namespace
 
 double defect_limit(std::size_t count, const std::function<double(std::size_t)>& number) {
@@ -78,9 +101,12 @@ double defect_limit(std::size_t count, const std::function<double(std::size_t)>&
   return kFar_sd * kMadToSd * median(sizes);
 }
 
-PlaneSquares plane_squares(mtf::ImageView<const float> plane, int trend) {
+PlaneSquares plane_squares(mtf::ImageView<const float> plane, int trend, const std::set<std::int64_t>& without) {
   const auto n = static_cast<std::size_t>(plane.width * plane.height), H = static_cast<std::size_t>(plane.width);
   std::vector<char> out(n, 0);
+  for (const std::int64_t place : without)
+    if (place >= 0 && place < std::ssize(out)) out[static_cast<std::size_t>(place)] = 1;
+  const std::vector<char> given = out;
   Lines lines = lines_of(plane, out);
   std::size_t left_out = 0;
   PlaneSquares result;
@@ -88,7 +114,7 @@ PlaneSquares plane_squares(mtf::ImageView<const float> plane, int trend) {
     const double far = result.far = defect_limit(n, [&](std::size_t i) { return residual(plane, lines, i); });
     std::size_t count = 0;
     for (std::size_t i = 0; i < n; ++i) {
-      out[i] = far > 0.0 && std::abs(residual(plane, lines, i)) > far ? 1 : 0;
+      out[i] = given[i] != 0 || (far > 0.0 && std::abs(residual(plane, lines, i)) > far) ? 1 : 0;
       count += static_cast<std::size_t>(out[i]);
     }
     if (count == left_out) break;
@@ -102,7 +128,7 @@ PlaneSquares plane_squares(mtf::ImageView<const float> plane, int trend) {
     const double r = residual(plane, lines, i), r2 = r * r;
     if (out[i] == 0)
       squares += r2, cubes += r2 * r, fourths += r2 * r2;
-    else
+    else if (std::abs(r) > result.far)
       result.defects.push_back({static_cast<std::int64_t>(i % H), static_cast<std::int64_t>(i / H), r});
   }
   const double V = result.rows, W = result.columns;
@@ -160,11 +186,7 @@ Pattern pattern_of(const PlaneSquares& plane, const std::vector<AveragedStack>& 
   Pattern result{
       .pixel = variance_component(pixel), .row = variance_component(row), .column = variance_component(column)};
   for (double* const value : {&result.pixel.variance, &result.pixel.low95, &result.pixel.high95}) *value -= rounding;
-  result.pixel.low95 =
-      result.pixel.variance - std::hypot(result.pixel.variance - result.pixel.low95, k95_sd * rounding_sd);
-  result.pixel.high95 =
-      result.pixel.variance + std::hypot(result.pixel.high95 - result.pixel.variance, k95_sd * rounding_sd);
-  result.pixel.sd = std::hypot(result.pixel.sd, rounding_sd);
+  widen(result.pixel, rounding_sd);
   // Of a given pattern a mean square is chi-square about it: variance (2 a^2 + 4 a b)/dof with a temporal and b fixed.
   const auto sd_array = [](double a, double mean_square, double dof, double divisor) {
     return std::sqrt((2.0 * a * a + 4.0 * a * std::max(0.0, mean_square - a)) / dof) / divisor;
@@ -173,6 +195,59 @@ Pattern pattern_of(const PlaneSquares& plane, const std::vector<AveragedStack>& 
   result.row_sd_array = sd_array(temporal_row, plane.row, plane.row_dof, H);
   result.column_sd_array = sd_array(temporal_column, plane.column, plane.column_dof, V);
   return result;
+}
+
+Trend remove_trend(mtf::ImageView<float> plane, int degree) {
+  Trend trend;
+  trend.degree = static_cast<int>(std::min<std::int64_t>(degree, std::min(plane.width, plane.height) / kPixelsADegree));
+  if (trend.degree <= 0) return trend;
+  const auto n = static_cast<std::size_t>(trend.degree);
+  const auto along_x = orthonormal(plane.width, trend.degree), along_y = orthonormal(plane.height, trend.degree);
+  std::vector<double> found((n + 1) * (n + 1), 0.0);  // [degree of y][of x]
+  // Of pixels beyond the limit nothing is known: they take part as the trend has them, which passes settle.
+  double far = INFINITY;
+  for (int pass = 0; pass < kTrendPasses; ++pass) {
+    std::vector<double> more(found.size(), 0.0), of_row(n + 1);
+    for (std::int64_t y = 0; y < plane.height; ++y) {
+      std::fill(of_row.begin(), of_row.end(), 0.0);
+      for (std::int64_t x = 0; x < plane.width; ++x) {
+        const auto value = static_cast<double>(plane.at(x, y));
+        if (std::abs(value) > far) continue;
+        for (std::size_t i = 0; i <= n; ++i) of_row[i] += value * along_x[i][static_cast<std::size_t>(x)];
+      }
+      for (std::size_t j = 0; j <= n; ++j)
+        for (std::size_t i = 0; i + j <= n; ++i)
+          more[j * (n + 1) + i] += of_row[i] * along_y[j][static_cast<std::size_t>(y)];
+    }
+    double change = 0.0, size = 0.0;
+    for (std::size_t k = 0; k < found.size(); ++k) {
+      found[k] += more[k];
+      change = std::max(change, std::abs(more[k]));
+      size = std::max(size, std::abs(found[k]));
+    }
+    for (std::int64_t y = 0; y < plane.height; ++y)
+      for (std::int64_t x = 0; x < plane.width; ++x) {
+        double value = 0.0;
+        for (std::size_t j = 0; j <= n; ++j)
+          for (std::size_t i = 0; i + j <= n; ++i)
+            value += more[j * (n + 1) + i] * along_y[j][static_cast<std::size_t>(y)] *
+                     along_x[i][static_cast<std::size_t>(x)];
+        plane.at(x, y) -= static_cast<float>(value);
+      }
+    far = defect_limit(static_cast<std::size_t>(plane.width * plane.height), [&](std::size_t i) {
+      const auto at = static_cast<std::int64_t>(i);
+      return static_cast<double>(plane.at(at % plane.width, at / plane.width));
+    });
+    if (change <= 1e-6 * size) break;
+  }
+  const double mean = found[0] * along_x[0][0] * along_y[0][0];
+  for (std::int64_t y = 0; y < plane.height; ++y)
+    for (std::int64_t x = 0; x < plane.width; ++x) plane.at(x, y) += static_cast<float>(mean);
+  for (std::size_t j = 0; j <= n; ++j)
+    for (std::size_t i = 0; i + j <= n; ++i)
+      if (i + j > 0)
+        (i == 0 ? trend.rows : j == 0 ? trend.columns : trend.cross) += found[j * (n + 1) + i] * found[j * (n + 1) + i];
+  return trend;
 }
 
 mtf::Image pattern_map(mtf::ImageView<const float> plane, const PlaneSquares& squares, const PatternRms& found) {

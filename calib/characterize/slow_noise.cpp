@@ -37,9 +37,6 @@ double of_scale(double lowest, std::size_t scale) {
   return 2.0 * n * (kept_by_mean(lowest, n) - kept_by_mean(lowest, 2.0 * n));
 }
 
-/// Median of chi-square over its degrees of freedom (Wilson and Hilferty, 1931).
-double chi_square_median(double dof) { return std::pow(1.0 - 2.0 / (9.0 * dof), 3.0); }
-
 double median_of(std::vector<double> values) { return median(values); }
 
 class Scales {
@@ -76,7 +73,11 @@ class Scales {
   void fit(double lines, SlowNoise& result) const {
     const std::size_t pixels = noise_.pixel_count();
     double used = 0.0, sum = 0.0, squares = 0.0, n = 0.0;
-    std::vector<double> mean(unit_.size());
+    std::vector<double> mean(unit_.size()), own(unit_.size());  // own: of all pixels, in the means of frames
+    for (std::size_t j = 0; j < unit_.size(); ++j)
+      for (const float one : noise_.pixels[j])
+        own[j] += static_cast<double>(one) /
+                  static_cast<double>(pixels * pixels * static_cast<std::size_t>(noise_.rows_apart));
     for (std::size_t i = 0; i < pixels; ++i) {
       if (result.left_out[i] != 0) continue;
       used += 1.0;
@@ -86,7 +87,8 @@ class Scales {
     }
     for (std::size_t j = 0; j < unit_.size(); ++j) {
       n += noise_.differences(j);
-      mean[j] = (mean[j] / used - noise_.frame[j]) / noise_.differences(j);
+      mean[j] = (mean[j] / used - noise_.frame[j] + own[j]) / noise_.differences(j);
+      own[j] /= noise_.differences(j);
     }
     // Pixels of unequal noise: fewer count.
     const double unequal = std::max(1.0, used * squares / (square(sum) * (1.0 + 2.0 / n)));
@@ -96,8 +98,8 @@ class Scales {
       std::vector<double> weight(unit_.size());
       for (std::size_t j = 0; j < unit_.size(); ++j) {
         const double x = unit_[j], part = std::max(0.0, strength) * x, power = std::max(0.1 * mean[0], white + part);
-        weight[j] =
-            1.0 / (2.0 * (power * power * unequal / used + lines) / noise_.differences(j) + square(kModel * part));
+        weight[j] = 1.0 / (2.0 * (power * power * unequal / used + lines + square(own[j])) / noise_.differences(j) +
+                           square(kModel * part));
         a += weight[j];
         b += weight[j] * x;
         c += weight[j] * x * x;

@@ -5,7 +5,7 @@
 // noise W^2, as [frame_flicker] of a sensor file has it (radiometry/stages/noise/frame_flicker.h): K ln 2 in an octave.
 // The mean of n frames keeps
 //   V(n) = integral of (sin(pi n f)/(n sin(pi f)))^2 df/f    times K,
-// differences of the scale n (time_scales.h) have the variance W^2 + K 2 n (V(n) - V(2 n)). W^2 and K are fitted to the
+// differences of the scale n (spectra.h) have the variance W^2 + K 2 n (V(n) - V(2 n)). W^2 and K are fitted to the
 // mean squares at all scales of a dark stack, each with the error of its number of pixels and differences, and 3 % of
 // the 1/f part, within which the noise of the chain follows 1/f. Pixels that change more slowly or are noisier than
 // those others make any, as blinking and hot ones, are left out; so is what all pixels of a frame share. Frames resolve

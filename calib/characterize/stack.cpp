@@ -7,6 +7,7 @@
 
 #include "calib/characterize/characterize.h"
 #include "calib/characterize/rounding.h"
+#include "calib/edge/median.h"
 #include "calib/fit/confidence/adequacy.h"
 #include "mtf/error.h"
 #include "mtf/words.h"
@@ -17,6 +18,8 @@ namespace {
 using mtf::significant;
 using radiometry::kT, radiometry::kV, radiometry::kH, radiometry::kTv, radiometry::kTh, radiometry::kVh,
     radiometry::kTvh;
+
+constexpr double kShared_sd = 3.0;
 
 double square(double x) { return x * x; }
 
@@ -34,24 +37,78 @@ StackSummary summary_of(const StackStatistics& stack) {
       s.covariance[k] = stack.covariance(kLags[k]);
   const PixelNoise noise = stack.pixel_noise();
   s.variance_sd = noise.variance_sd;
-  const double T = s.squares.frames, kept = static_cast<double>(stack.pixels_kept());
+  s.variances = stack.pixel_variances();
+  s.rows_apart = stack.rows_apart();
+  const double T = s.squares.frames, kept = static_cast<double>(s.variances.size());
   if (s.frames > 2 && s.squares.value[kTvh] > 0.0)
     s.frame_correlation = {noise.frame_correlation,
                            std::sqrt((T - 2.0) * variance_of_products(s, kept, kept / s.squares.columns)) / (T - 1.0)};
-  s.by_variance = stack.pixels_by_variance(pixel_variance(s.squares), variance_bin(s));
   s.in_time = stack.time_spectra();
-  s.looked_at = stack.pixels_kept();
-  s.noisy = stack.pixels_above(noise.variance * f_quantile(1.0 - kNoisy_p, T - 1.0, (T - 1.0) * kept));
   s.share_low = stack.share_low();
   s.share_high = stack.share_high();
   s.von_neumann = stack.von_neumann();
   s.drift = stack.drift();
   s.step = stack.step();
   s.noise = stack.noise_scales();
+  s.frame_means = stack.frame_means();
   s.pattern = mtf::Image(stack.width(), stack.height());
   for (std::int64_t i = 0; i < s.pattern.size(); ++i)
     s.pattern.data()[i] = static_cast<float>(stack.pixel_mean(i) - s.mean);
   return s;
+}
+
+double typical_variance(const StackSummary& s) {
+  std::vector<double> variances(s.variances.begin(), s.variances.end());
+  return median(variances) / chi_square_median(s.squares.frames - 1.0);
+}
+
+std::vector<std::int64_t> noisy_places(const StackSummary& s) {
+  const double dof = s.squares.frames - 1.0;
+  const auto columns = static_cast<std::int64_t>(s.squares.columns);
+  const double most =
+      typical_variance(s) * f_quantile(1.0 - kNoisy_p, dof, dof * static_cast<double>(s.variances.size()));
+  std::vector<std::int64_t> places;
+  for (std::int64_t i = 0; i < std::ssize(s.variances); ++i)
+    if (static_cast<double>(s.variances[static_cast<std::size_t>(i)]) > most)
+      places.push_back(i / columns * s.rows_apart * columns + i % columns);
+  return places;
+}
+
+PixelSeries empty_series(const StackSummary& s) {
+  PixelSeries series{.places = noisy_places(s)};
+  series.places.resize(std::min(series.places.size(), static_cast<std::size_t>(kMostSeriesValues / s.frames)));
+  return series;
+}
+
+void leave_out(StackSummary& s, const std::set<std::int64_t>& places, double slowness) {
+  const auto columns = static_cast<std::int64_t>(s.squares.columns);
+  double n = 0.0, sum = 0.0, squares = 0.0;
+  for (std::int64_t i = 0; i < std::ssize(s.variances); ++i) {
+    if (places.contains(i / columns * s.rows_apart * columns + i % columns)) continue;
+    const auto one = static_cast<double>(s.variances[static_cast<std::size_t>(i)]);
+    n += 1.0;
+    sum += one;
+    squares += one * one;
+  }
+  s.apart = {};
+  if (n < static_cast<double>(s.variances.size())) {
+    s.apart.value = s.squares.value[kTvh] - sum / n;
+    for (const radiometry::CubePart part : {kT, kTv, kTh}) {
+      const VarianceComponent shared = variance_component(s.squares, part);
+      const double sd = slowness * shared.sd_of_zero;
+      if (std::abs(shared.variance) > kShared_sd * sd) s.apart.value += shared.variance;
+      s.apart.sd = std::hypot(s.apart.sd, sd);
+    }
+  }
+  s.variance_sd = std::sqrt(std::max(0.0, squares - sum * sum / n) / (n - 1.0) / (s.squares.rows * s.squares.columns));
+}
+
+std::map<int, std::int64_t> pixels_by_variance(const StackSummary& s) {
+  std::map<int, std::int64_t> number;
+  const double mean = pixel_variance(s.squares), bin = variance_bin(s);
+  for (const float v : s.variances)
+    if (v > 0.0F) ++number[static_cast<int>(std::lround(std::log(static_cast<double>(v) / mean) / bin))];
+  return number;
 }
 
 double variance_of_products(const StackSummary& s, double pixels, double rows) {
@@ -105,6 +162,41 @@ mtf::Image pattern_difference(const Stack& stack, const Stack& other) {
   mtf::Image d = stack.sums.pattern.clone();
   for (std::int64_t i = 0; i < d.size(); ++i) d.data()[i] -= other.sums.pattern.data()[i];
   return d;
+}
+
+void mark_saturated(const std::vector<Stack*>& stacks) {
+  const auto noise = [](const Stack& stack) { return stack.sums.squares.value[kTvh]; };
+  for (Stack* const stack : stacks) stack->saturates = false;
+  /// Of the stacks that are not full and have less light than one: the brightest, and the largest noise.
+  struct Below {
+    const Stack* last = nullptr;
+    double peak = 0.0;
+  };
+  std::vector<Below> below(stacks.size());
+  Below less, met;  // of less light than the stack at hand, and of all before it
+  const Stack* dark = nullptr;
+  std::size_t first = stacks.size();
+  for (std::size_t i = 0; i < stacks.size(); ++i) {
+    Stack& stack = *stacks[i];
+    if (!stack.is_usable()) continue;
+    if (dark == nullptr) dark = &stack;
+    if (met.last != nullptr && met.last->light < stack.light) less = met;
+    below[i] = less;
+    if (first == stacks.size() && less.last != nullptr && less.last->light > dark->light) {
+      const double expected = (less.last->sums.mean - dark->sums.mean) / (less.last->light - dark->light);
+      const double rise = stack.sums.mean - less.last->sums.mean, due = expected * (stack.light - less.last->light);
+      if (rise > -1e-3 * due && noise(stack) < 0.67 * less.peak && less.peak > 1.5 * noise(*dark)) first = i;
+    }
+    stack.saturates = first != stacks.size();
+    if (!stack.saturates) met = {&stack, std::max(met.peak, noise(stack))};
+  }
+  if (first == stacks.size()) return;
+  while (first-- > 0) {
+    Stack& stack = *stacks[first];
+    const Stack* const last = below[first].last;
+    if (!stack.is_usable() || last == nullptr || !(last->light > dark->light) || !(noise(stack) < noise(*last))) return;
+    stack.saturates = true;
+  }
 }
 
 std::array<Estimate, kLags.size()> pixel_covariance(const StackSummary& stack) {

@@ -111,7 +111,6 @@ StackStatistics::StackStatistics(std::int64_t width, std::int64_t height, CountR
       range_(range),
       every_((width * height >> 20) | 1),
       scale_every_((width * height >> 18) | 1),
-      frame_scales_(1),
       series_(width, height) {
   if (width < 2 || height < 2)
     throw mtf::UsageError("frames of " + std::to_string(width) + " x " + std::to_string(height) +
@@ -137,7 +136,7 @@ void StackStatistics::add(std::span<const mtf::ImageView<const float>> frames, i
       for (std::int64_t x = 0; x < width_; ++x) sum += static_cast<double>(frames[0].at(x, y));
     reference_ = std::floor(sum / static_cast<double>(pixels()));
   }
-  for (TimeScales* const scales : {&scales_, &frame_scales_}) scales->reserve(frames_ + std::ssize(frames));
+  scales_.reserve(frames_ + std::ssize(frames));
   const std::vector<Part> parts = reduce(frames, threads);
   const std::size_t blocks = parts.size() / frames.size();
   for (std::size_t f = 0; f < frames.size(); ++f) {
@@ -149,7 +148,7 @@ void StackStatistics::add(std::span<const mtf::ImageView<const float>> frames, i
                             std::to_string(i % width_) + ", " + std::to_string(i / width_) + "; leave it out");
     }
     take(frame);
-    series_.add(frames[f], last_ / static_cast<double>(pixels()));
+    series_.add(frames[f], frame_sums_.back() / static_cast<double>(pixels()));
   }
 }
 
@@ -217,13 +216,8 @@ void StackStatistics::take(std::span<const Part> frame) {
   }
   for (const double column : columns) column_squares_ += static_cast<long double>(column) * column;
   frame_squares_ += total * total;
-  const auto sum = static_cast<double>(total);
-  if (frames_ > 0) step_squares_ += (static_cast<long double>(sum) - last_) * (static_cast<long double>(sum) - last_);
-  last_ = sum;
-  const double mean = sum / static_cast<double>(pixels());
-  frame_scales_.add(0, {&mean, 1}, frames_);
+  frame_sums_.push_back(static_cast<double>(total));
   total_ += total;
-  moment_ += total * static_cast<long double>(frames_);
   ++frames_;
 }
 
@@ -233,6 +227,12 @@ double StackStatistics::share(std::int64_t count) const {
 
 double StackStatistics::mean() const {
   return reference_ + static_cast<double>(total_ / static_cast<long double>(frames_ * pixels()));
+}
+
+std::vector<double> StackStatistics::frame_means() const {
+  std::vector<double> means;
+  for (const double sum : frame_sums_) means.push_back(reference_ + sum / static_cast<double>(pixels()));
+  return means;
 }
 
 double StackStatistics::pixel_mean(std::int64_t i) const {
@@ -295,40 +295,39 @@ double StackStatistics::kept_variance(std::int64_t i) const {
 }
 
 PixelNoise StackStatistics::pixel_noise() const {
-  const auto n = static_cast<double>(pixels_kept());
+  const auto n = static_cast<double>(std::ssize(squares_));
   PixelNoise noise;
-  for (std::int64_t i = 0; i < pixels_kept(); ++i) noise.variance += kept_variance(i) / n;
+  for (std::int64_t i = 0; i < std::ssize(squares_); ++i) noise.variance += kept_variance(i) / n;
   double squares = 0.0;
-  for (std::int64_t i = 0; i < pixels_kept(); ++i) {
+  for (std::int64_t i = 0; i < std::ssize(squares_); ++i) {
     const double about_mean = kept_variance(i) - noise.variance;
     squares += about_mean * about_mean;
   }
   noise.variance_sd = std::sqrt(squares / (n - 1.0) / static_cast<double>(pixels()));
   if (frames_ > 2 && noise.variance > 0.0) {
-    const long double steps = pixel_steps_ / static_cast<long double>((frames_ - 1) * pixels_kept());
+    const long double steps = pixel_steps_ / static_cast<long double>((frames_ - 1) * std::ssize(squares_));
     noise.frame_correlation = static_cast<double>(1.0L - steps / (2.0L * noise.variance));
   }
   return noise;
 }
 
-std::int64_t StackStatistics::pixels_above(double variance) const {
-  std::int64_t above = 0;
-  for (std::int64_t i = 0; i < pixels_kept(); ++i) above += kept_variance(i) > variance ? 1 : 0;
-  return above;
+std::vector<float> StackStatistics::pixel_variances() const {
+  std::vector<float> variances;
+  for (std::int64_t i = 0; i < std::ssize(squares_); ++i) variances.push_back(static_cast<float>(kept_variance(i)));
+  return variances;
 }
 
 NoiseScales StackStatistics::noise_scales() const {
   NoiseScales noise{.pixels = scales_.squares(frames_), .frames = frames_, .rows_apart = scale_every_};
-  for (const std::vector<float>& one : frame_scales_.squares(frames_))
+  TimeScales of_frames(1);
+  of_frames.reserve(frames_);
+  for (std::int64_t t = 0; t < frames_; ++t) {
+    const double mean = frame_sums_[static_cast<std::size_t>(t)] / static_cast<double>(pixels());
+    of_frames.add(0, {&mean, 1}, t);
+  }
+  for (const std::vector<float>& one : of_frames.squares(frames_))
     noise.frame.push_back(static_cast<double>(one.front()));
   return noise;
-}
-
-std::map<int, std::int64_t> StackStatistics::pixels_by_variance(double mean, double bin) const {
-  std::map<int, std::int64_t> number;
-  for (std::int64_t i = 0; i < pixels_kept(); ++i)
-    if (const double v = kept_variance(i); v > 0.0) ++number[static_cast<int>(std::lround(std::log(v / mean) / bin))];
-  return number;
 }
 
 std::uint32_t StackStatistics::step() const {
@@ -339,15 +338,23 @@ std::uint32_t StackStatistics::step() const {
 double StackStatistics::von_neumann() const {
   const auto T = static_cast<long double>(frames_);
   const long double about_mean = frame_squares_ - total_ * total_ / T;
-  return frames_ < 3 || !(about_mean > 0.0L) ? 2.0
-                                             : static_cast<double>((step_squares_ / (T - 1.0L)) / (about_mean / T));
+  if (frames_ < 3 || !(about_mean > 0.0L)) return 2.0;
+  long double squares = 0.0L;
+  for (std::size_t t = 1; t < frame_sums_.size(); ++t) {
+    const long double step = static_cast<long double>(frame_sums_[t]) - frame_sums_[t - 1];
+    squares += step * step;
+  }
+  return static_cast<double>((squares / (T - 1.0L)) / (about_mean / T));
 }
 
 FrameDrift StackStatistics::drift() const {
   if (frames_ < 4) return {};
   const auto T = static_cast<long double>(frames_), size = static_cast<long double>(pixels());
   const long double spread = T * (T * T - 1.0L) / 12.0L;  // of the frames' numbers about their mean
-  const long double slope = (moment_ - 0.5L * (T - 1.0L) * total_) / spread;
+  long double moment = 0.0L;
+  for (std::size_t t = 0; t < frame_sums_.size(); ++t)
+    moment += (static_cast<long double>(t) - 0.5L * (T - 1.0L)) * frame_sums_[t];
+  const long double slope = moment / spread;
   const long double rest = frame_squares_ - total_ * total_ / T - slope * slope * spread;
   return {static_cast<double>(slope / size),
           static_cast<double>(std::sqrt(std::max(0.0L, rest) / ((T - 2.0L) * spread)) / size)};

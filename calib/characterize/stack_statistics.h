@@ -19,12 +19,10 @@
 #include <array>
 #include <cstdint>
 #include <limits>
-#include <map>
 #include <span>
 #include <vector>
 
 #include "calib/characterize/spectra.h"
-#include "calib/characterize/time_scales.h"
 #include "mtf/image.h"
 #include "radiometry/stages/noise/mean_squares.h"
 
@@ -79,16 +77,15 @@ class StackStatistics {
   std::int64_t pixels() const { return width_ * height_; }
   double mean() const;
   double pixel_mean(std::int64_t i) const;  ///< i counts along rows
+  std::vector<double> frame_means() const;
 
   /// The three below need two frames; UsageError with fewer.
   radiometry::MeanSquares mean_squares() const;
   Covariance covariance(Lag lag) const;  ///< at one of kLags
   PixelNoise pixel_noise() const;
-  /// Of the pixels whose squares are kept: those whose variance is above it, and how many there are.
-  std::int64_t pixels_above(double variance) const;
-  /// How many of them have a variance within half a bin of exp(bin k) times `mean`, by k.
-  std::map<int, std::int64_t> pixels_by_variance(double mean, double bin) const;
-  std::int64_t pixels_kept() const { return static_cast<std::int64_t>(squares_.size()); }
+  /// Temporal variances of the pixels whose squares are kept, those of every rows_apart()-th row.
+  std::vector<float> pixel_variances() const;
+  std::int64_t rows_apart() const { return every_; }
   /// The noise of pixels by the time over which it changes; of frames above half a million pixels in some of the rows.
   NoiseScales noise_scales() const;
 
@@ -120,16 +117,14 @@ class StackStatistics {
   std::int64_t every_;                 ///< row has its squares kept
   std::vector<double> sum_, squares_;  ///< of pixels
   std::int64_t scale_every_;           ///< row is in the scales of time
-  TimeScales scales_, frame_scales_;   ///< of those pixels, and of the means of frames
+  TimeScales scales_;                  ///< of those pixels
+  std::vector<double> frame_sums_;     ///< about the reference
   TimeSeries series_;
   std::vector<float> before_;  ///< the rows of the latest frame whose squares are kept
   std::array<long double, kLags.size()> products_{};
   long double total_ = 0.0L, all_squares_ = 0.0L, frame_squares_ = 0.0L, row_squares_ = 0.0L, column_squares_ = 0.0L;
-  long double step_squares_ = 0.0L;  ///< of the differences of successive frames' sums
-  long double moment_ = 0.0L;        ///< of the frames' sums, each times the number of frames before it
-  long double pixel_steps_ = 0.0L;   ///< of those of pixels
-  double last_ = 0.0;                ///< sum of the latest frame
-  std::uint32_t bits_ = 0;           ///< that occur in any value
+  long double pixel_steps_ = 0.0L;  ///< of those of pixels
+  std::uint32_t bits_ = 0;          ///< that occur in any value
   bool whole_ = true;
 };
 

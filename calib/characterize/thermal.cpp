@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "calib/characterize/defect_pixels.h"
 #include "calib/characterize/rounding.h"
 #include "calib/fit/confidence/adequacy.h"
 #include "calib/fit/fit_report.h"
@@ -160,10 +161,12 @@ class FindingList {
 constexpr std::array<const char*, radiometry::kCubeParts> kNoiseNames{"noise_t",  "noise_v",  "noise_h",  "noise_tv",
                                                                       "noise_th", "noise_vh", "noise_tvh"};
 
-/// The stack nearest to the reference, and the pixels of its mean frame that are no part of what is found of them.
+/// The stack nearest to the reference, and what is found of its pixels.
 struct Nearest {
   const Stack* stack = nullptr;
-  std::vector<Defect> defects{};
+  PlaneSquares fixed{};
+  DefectSums defects{};
+  BlinkingPixels blinking{};
 };
 Nearest add_noise(const MeanLine& line, const ThermalOptions& options, NumberErrors slope, double offset,
                   FindingList& findings) {
@@ -172,24 +175,43 @@ Nearest add_noise(const MeanLine& line, const ThermalOptions& options, NumberErr
   const Stack& nearest =
       *std::ranges::min_element(points, [&](const auto& a, const auto& b) { return far(a) < far(b); })->stack;
   const Stack &cold = *points.front().stack, &hot = *points.back().stack;
+  const mtf::Image difference = pattern_difference(hot, cold);
+  PlaneSquares plane = plane_squares(difference.view());
+  Nearest found{.stack = &nearest, .fixed = plane_squares(nearest.sums.pattern.view())};
+  const bool fine = !(rounding_of(nearest) > 1e-4);
+  if (fine) found.blinking = blinking_pixels(nearest.sums, found.fixed, 0.0, 0.0);
+  const bool blinks = found.blinking.found();
+  if (blinks) {  // their mean frames are other ones in each stack
+    plane = plane_squares(difference.view(), 0, found.blinking.restless);
+    found.fixed = plane_squares(nearest.sums.pattern.view(), 0, found.blinking.restless);
+  }
+  found.defects = defect_sums(found.fixed, &plane, hot.sums.mean - cold.sums.mean,
+                              blinks ? found.blinking.restless : std::set<std::int64_t>());
   const radiometry::MeanSquares& squares = nearest.sums.squares;
+  VarianceComponent quiet = variance_component(squares, kTvh);  // without pixels that blink, which are found apart
+  if (blinks) {
+    StackSummary rest{.squares = squares, .variances = nearest.sums.variances, .rows_apart = nearest.sums.rows_apart};
+    leave_out(rest, found.blinking.restless, found.blinking.slowness());
+    radiometry::MeanSquares others = squares;
+    others.value[kTvh] -= rest.apart.value;
+    quiet = variance_component(others, kTvh);
+    widen(quiet, rest.apart.sd);
+  }
   const double counts_per_mk = 1e-3 * line.slope() * options.radiance_per_k;
-  findings.add_rms("netd", "mK", variance_component(squares, kTvh), counts_per_mk, slope, nearest.name);
+  findings.add_rms("netd", "mK", quiet, counts_per_mk, slope, nearest.name);
   for (const radiometry::CubePart part : {kT, kV, kH, kTv, kTh, kVh, kTvh})
     findings.add_rms(kNoiseNames[part], "mK", variance_component(squares, part), counts_per_mk, slope, nearest.name);
 
-  const PlaneSquares plane = plane_squares(pattern_difference(hot, cold).view());
   const VarianceComponent response =
       pattern_of(plane, {{hot.sums.squares, rounding_of(hot)}, {cold.sums.squares, rounding_of(cold)}}).pixel;
   const double span = line.slope() * (hot.light - cold.light), signal = nearest.sums.mean - offset;
   findings.add_rms("prnu", "", response, span, {slope.random, 0.0}, hot.name + " less " + cold.name);
-  PlaneSquares fixed = plane_squares(nearest.sums.pattern.view());
-  warn_of_shape("noise_vh", fixed, findings.warnings());
+  warn_of_shape("noise_vh", found.fixed, findings.warnings());
   warn_of_shape("prnu", plane, findings.warnings());
 
   // What the responses of the pixels make of the signal is no offset; the distances of both limits add as squares.
   const double scale = squared(signal / span);
-  const VarianceComponent pixels = pattern_of(fixed, {{squares, rounding_of(nearest)}}).pixel;
+  const VarianceComponent pixels = pattern_of(found.fixed, {{squares, rounding_of(nearest)}}).pixel;
   VarianceComponent rest{.variance = pixels.variance - scale * response.variance,
                          .sd = std::hypot(pixels.sd, scale * response.sd)};
   rest.low95 =
@@ -198,7 +220,7 @@ Nearest add_noise(const MeanLine& line, const ThermalOptions& options, NumberErr
       rest.variance + std::hypot(pixels.high95 - pixels.variance, scale * (response.variance - response.low95));
   findings.add_rms("dsnu", "mK", rest, counts_per_mk, slope,
                    "noise_vh without defects, less what prnu makes of " + significant(signal, 3) + " counts");
-  return {&nearest, std::move(fixed.defects)};
+  return found;
 }
 
 void judge(const MeanLine& line, double misfit_p, Characterization& result) {
@@ -256,10 +278,17 @@ Characterization characterize_thermal(std::vector<Stack> stacks, const ThermalOp
                      from + ", at " + significant(options.reference_k, 6) + " K");
   findings.add_value("offset", "counts", offset, line.errors_of_count(-options.own_radiance), from);
   Nearest nearest = add_noise(line, options, relative, offset, findings);
-  result.defects = std::move(nearest.defects);
+  // Of these all errors are those of their number.
+  const Estimate counts_per_mk{1e-3 * sitf, 1e-3 * sitf * std::hypot(relative.random, relative.systematic)};
+  const std::string& from_nearest = nearest.stack->name;
+  add_hot_pixels(nearest.defects, nearest.fixed, counts_per_mk, "mK", from_nearest, result);
+  add_dead_pixels(nearest.defects, nearest.fixed.rows * nearest.fixed.columns, from_nearest, result);
+  if (!(rounding_of(*nearest.stack) > 1e-4))
+    add_blinking_pixels(nearest.blinking, counts_per_mk, "mK", from_nearest, result);
+  result.defects = std::move(nearest.fixed.defects);
   result.dark = static_cast<int>(nearest.stack - stacks.data());
   warn_of_neighbours(*nearest.stack, result.warnings);
-  add_noise_in_time(stacks, result.findings, result.warnings);
+  add_noise_in_time(stacks, result.findings, result.warnings, nearest.blinking.found(), nearest.blinking.explained());
   for (const char* const name : {"transmission", "absorptance", "f_number"})
     result.findings.push_back({.name = name,
                                .unit = "",

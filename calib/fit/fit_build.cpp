@@ -8,6 +8,7 @@
 
 #include "calib/fit/parameter_site.h"
 #include "mtf/error.h"
+#include "mtf/field/sample_ranges.h"
 
 namespace calib {
 namespace {
@@ -68,7 +69,10 @@ void check_data(const FitData& data) {
     condition(spot.name, spot.condition);
     region(spot.name, spot.roi, spot.image);
   }
-  for (const System<double>& system : data.conditions) require_valid(system);
+  for (const System<double>& system : data.conditions) {
+    require_valid(system);
+    mtf::refuse_range(system, "a fit");
+  }
   // A place in the image is one on the detector.
   const auto whole = [&](const std::string& name, std::size_t index, const mtf::ImageView<const float>& image) {
     const System<double>& system = data.conditions[index];

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# Debian packages by CPack: mtfkit (the command), mtfkit-codecs (what needs OpenCV), libmtfkit-dev, python3-mtfkit. apps/package
+# Debian packages by CPack: mtfkit (the command), mtfkit-codecs (what needs OpenCV), mtfkit-gdal, mtfkit-libraw, libmtfkit-dev, python3-mtfkit. apps/package
 # builds for them below /usr, writes their papers into <build>/papers, and calls CPack.
 
 # Whatever the build has written of these is part of the command.
@@ -22,12 +22,24 @@ The command mtf simulates images that a sensor would take, measures the MTF of
 edges in images, fits models to it, and rates designs: resolution, noise,
 ranges, trade studies, reports.")
 set(CPACK_DEBIAN_COMMAND_PACKAGE_RECOMMENDS "mtfkit-codecs, gnuplot-nox")
+set(CPACK_DEBIAN_COMMAND_PACKAGE_SUGGESTS "mtfkit-gdal, mtfkit-libraw")
 set(opencv_package mtfkit-codecs)
 set(opencv_section science)
 set(opencv_words "OpenCV for mtfkit
 The module with which the command mtf uses OpenCV: mtf bench compares the
 speed and the error of its filters with those of OpenCV.")
 set(CPACK_DEBIAN_OPENCV_PACKAGE_DEPENDS "mtfkit ${this_version}")
+set(gdal_package mtfkit-gdal)
+set(gdal_section science)
+set(gdal_words "GDAL for mtfkit
+The module with which the command mtf reads images of remote sensing: NITF,
+HDF5 and JPEG 2000.")
+set(CPACK_DEBIAN_GDAL_PACKAGE_DEPENDS "mtfkit ${this_version}")
+set(libraw_package mtfkit-libraw)
+set(libraw_section science)
+set(libraw_words "LibRaw for mtfkit
+The module with which the command mtf reads DNG and raw files of cameras.")
+set(CPACK_DEBIAN_LIBRAW_PACKAGE_DEPENDS "mtfkit ${this_version}")
 set(dev_package libmtfkit-dev)
 set(dev_section libdevel)
 set(dev_words "OTF models of electro-optical and infrared sensors - development files
@@ -45,6 +57,11 @@ set(components command dev)
 if(TARGET mtfkit_opencv)
   list(APPEND components opencv)
 endif()
+foreach(module gdal libraw)
+  if(TARGET mtfkit_${module})
+    list(APPEND components ${module})
+  endif()
+endforeach()
 if(TARGET mtfkit_python)
   math(EXPR next "${Python3_VERSION_MINOR} + 1")
   set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "mtfkit ${this_version}, python3 (>= 3.${Python3_VERSION_MINOR}), python3 (<< 3.${next}), python3-numpy")

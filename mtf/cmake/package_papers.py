@@ -16,7 +16,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-PACKAGES = ("mtfkit", "mtfkit-codecs", "libmtfkit-dev", "python3-mtfkit")
+PACKAGES = ("mtfkit", "mtfkit-codecs", "mtfkit-gdal", "mtfkit-libraw", "libmtfkit-dev", "python3-mtfkit")
 
 COPYRIGHT = """Format: https://www.debian.org/doc/packaging-manuals/copyright-format/1.0/
 Upstream-Name: mtfkit

@@ -12,6 +12,7 @@
 #include "mtf/error.h"
 #include "mtf/field/chebyshev.h"
 #include "mtf/field/field_tables.h"
+#include "mtf/field/radial_weights.h"
 #include "mtf/math/special.h"
 #include "mtf/otf/otf_series.h"
 #include "mtf/parallel.h"
@@ -20,8 +21,11 @@
 namespace mtf {
 namespace {
 
-// Points along an axis of the image.
+// Points along an axis of the image, and along a line.
 constexpr std::array<std::size_t, 5> kPoints{3, 5, 9, 17, 25};
+constexpr std::size_t kLeastWithKinks = 9;
+constexpr double kWithKinks = 4.0;  // times the error that is enough, which points of the image meet slowly
+constexpr std::array<std::size_t, 6> kLinePoints{5, 9, 17, 33, 65, 129};
 constexpr std::size_t kProbes = 12;     // places between the points
 constexpr double kBetweenSafety = 4.0;  // few places are looked at, and errors of many pixels may add up
 constexpr double kModulusSafety = 1.2;  // largest modulus between the frequencies that are looked at
@@ -33,10 +37,10 @@ using Vector = Eigen::VectorXd;
 using Row = Eigen::RowVectorXd;
 using Eigen::Index;
 
-double evaluated(const std::vector<double>& series, std::size_t n, double tx, double ty) {
-  const std::vector<double> x = chebyshev(n, tx), y = chebyshev(n, ty);
+double evaluated(const std::vector<double>& series, std::size_t n, std::size_t rows, double tx, double ty) {
+  const std::vector<double> x = chebyshev(n, tx), y = chebyshev(rows, ty);
   double sum = 0.0;
-  for (std::size_t j = 0; j < n; ++j)
+  for (std::size_t j = 0; j < rows; ++j)
     for (std::size_t i = 0; i < n; ++i) sum += series[j * n + i] * y[j] * x[i];
   return sum;
 }
@@ -163,25 +167,38 @@ Parities common_parities(const System<double>& system, const std::vector<std::si
   return product;
 }
 
+}  // namespace
+
 /// A singular vector of the deviations of one part.
-struct Mode {
+struct FieldModes::Mode {
   OtfPart part;
-  double power = 0.0;  ///< of the deviations
-  Vector sum;          ///< weights of the OTFs at the points in the mode,
-  Row p;               ///< which is this at the frequencies
-  Vector a;            ///< its weights at the points,
+  double power = 0.0;    ///< of the deviations
+  Vector sum;            ///< weights of the OTFs at the points in the mode,
+  Row p;                 ///< which is this at the frequencies
+  Vector a;              ///< its weights at the points,
+  Vector take;           ///< the projection on it is the sum of this times an OTF, at the frequencies of some_of,
+  double of_mean = 0.0;  ///< less that of the mean
   std::vector<double> series;
   Vector everywhere;  ///< on a grid over the image,
   Vector at_probes;
 };
 
-/// The singular vectors of d, the deviations of a part at the points, with weights of the frequencies and the points.
-std::vector<Mode> modes_of(OtfPart part, const Matrix& d, const Vector& weight, const Vector& frequency_weight) {
-  // Every other frequency will do.
+namespace {
+
+using Mode = FieldModes::Mode;
+
+/// Of the frequencies some: modes are made, and projected on, by them.
+std::vector<Index> some_of(Index count, int every) {
   std::vector<Index> some;
-  for (int j = 0; j <= kCells; j += 2)
-    for (int i = 0; i <= kCells; i += 2) some.push_back(Frequencies::corner(i, j));
-  for (Index k = Frequencies::kCorners; k < d.cols(); ++k) some.push_back(k);
+  for (int j = 0; j <= kCells; j += every)
+    for (int i = 0; i <= kCells; i += every) some.push_back(Frequencies::corner(i, j));
+  for (Index k = Frequencies::kCorners; k < count; ++k) some.push_back(k);
+  return some;
+}
+
+/// The singular vectors of d, the deviations of a part at the points, with weights of the frequencies and the points.
+std::vector<Mode> modes_of(OtfPart part, const Matrix& d, const Vector& weight, const Vector& frequency_weight,
+                           const std::vector<Index>& some) {
   const Vector root = weight.cwiseSqrt();
   Matrix scaled(d.rows(), static_cast<Index>(some.size()));
   for (Index i = 0; i < scaled.cols(); ++i) {
@@ -202,27 +219,47 @@ std::vector<Mode> modes_of(OtfPart part, const Matrix& d, const Vector& weight, 
     mode.sum = root.cwiseProduct(u);
     mode.p = mode.sum.transpose() * d;
     mode.a = u.cwiseQuotient(root);
+    mode.take = (frequency_weight.cwiseProduct(mode.p.transpose()) / power(k))(some);
   }
   return modes;
 }
 
-/// Scales a mode so that the largest of its weights over the image is 1.
-void complete(Mode& mode, const Matrix& transform, const Matrix& basis, std::span<const std::array<double, 2>> probes) {
-  const Index n = transform.rows();
-  const Matrix series = transform * Eigen::Map<const Matrix>(mode.a.data(), n, n) * transform.transpose();
-  mode.series.assign(series.data(), series.data() + series.size());
-  const Matrix over = basis.transpose() * series * basis;
-  mode.everywhere.resize(over.size() + mode.a.size());
-  mode.everywhere << Eigen::Map<const Vector>(over.data(), over.size()), mode.a;
+/// Scales a mode so that the largest of its weights over the image is 1; returns by how much.
+double scale_to_one(Mode& mode) {
   const double largest = 1.02 * std::max(mode.everywhere.cwiseAbs().maxCoeff(), 1e-300);
-  for (double& c : mode.series) c /= largest;
   mode.everywhere /= largest;
   mode.sum *= largest;
   mode.p *= largest;
+  return largest;
+}
+
+/// Along an axis: from values at the points to a series, and its polynomials at places all along.
+struct AxisBasis {
+  Matrix transform, everywhere;
+
+  explicit AxisBasis(std::size_t n) : transform(Matrix::Ones(1, 1)), everywhere(Matrix::Ones(1, 1)) {
+    if (n == 1) return;
+    const int places = n > kPoints.back() ? 4 * static_cast<int>(n) : 32;
+    transform = to_series(n);
+    everywhere.resize(static_cast<Index>(n), places + 1);
+    for (int i = 0; i <= places; ++i)
+      everywhere.col(i) = Eigen::Map<const Vector>(chebyshev(n, 2.0 * i / places - 1.0).data(), everywhere.rows());
+  }
+};
+
+void complete(Mode& mode, const AxisBasis& x, const AxisBasis& y, std::span<const std::array<double, 2>> probes) {
+  const Index n = x.transform.rows(), rows = y.transform.rows();
+  const Matrix series = x.transform * Eigen::Map<const Matrix>(mode.a.data(), n, rows) * y.transform.transpose();
+  mode.series.assign(series.data(), series.data() + series.size());
+  const Matrix over = x.everywhere.transpose() * series * y.everywhere;
+  mode.everywhere.resize(over.size() + mode.a.size());
+  mode.everywhere << Eigen::Map<const Vector>(over.data(), over.size()), mode.a;
+  const double largest = scale_to_one(mode);
+  for (double& c : mode.series) c /= largest;
   mode.at_probes.resize(static_cast<Index>(probes.size()));
   for (std::size_t i = 0; i < probes.size(); ++i)
     mode.at_probes(static_cast<Index>(i)) =
-        evaluated(mode.series, static_cast<std::size_t>(n), probes[i][0], probes[i][1]);
+        evaluated(mode.series, static_cast<std::size_t>(n), static_cast<std::size_t>(rows), probes[i][0], probes[i][1]);
 }
 
 /// The bound of a sum of modes that are left out, with three choices of c for weights of at most 1.
@@ -268,8 +305,16 @@ FieldModes::FieldModes(const System<double>& given, const SampleGrid& in, const 
                height = known ? frame.rows * frame.pitch_y_um : static_cast<double>(out.height) * out.step_y_um;
   x_ = axis(out.width, out.step_x_um, width, system.field.axis_x_px * frame.pitch_x_um);
   y_ = axis(out.height, out.step_y_um, height, system.field.axis_y_px * frame.pitch_y_um);
-  std::vector<FieldPoint<double>> outline = places(kPoints.back());
-  const std::vector<FieldPoint<double>> others = places(kPoints[kPoints.size() - 2]);
+  for (std::size_t i = 0; i < kProbes; ++i) {
+    const auto k = static_cast<double>(i);
+    probes_.push_back({2.0 * std::fmod(0.5 + k * 0.7548776662466927, 1.0) - 1.0,
+                       2.0 * std::fmod(0.5 + k * 0.5698402909980532, 1.0) - 1.0});
+  }
+  const std::vector<std::size_t> points =
+      options.line ? std::vector(kLinePoints.begin(), kLinePoints.end()) : std::vector(kPoints.begin(), kPoints.end());
+  const auto rows_of = [&](std::size_t n) { return options.line ? 1 : n; };
+  std::vector<FieldPoint<double>> outline = places(points.back(), rows_of(points.back()));
+  const std::vector<FieldPoint<double>> others = places(points[points.size() - 2], rows_of(points[points.size() - 2]));
   outline.insert(outline.end(), others.begin(), others.end());
   for (const FieldPoint<double>& q : outline) try {
       require_valid(system.at(q));
@@ -284,37 +329,72 @@ FieldModes::FieldModes(const System<double>& given, const SampleGrid& in, const 
   const bool one_part = common_parities(system, changing).is_one();
   const Rms rms{options, one_part ? options.part_gain : 1.0, out.step_x_um / in.step_x_um,
                 out.step_y_um / in.step_y_um};
-  for (const std::size_t n : kPoints)
-    if (make(tables, at, rms, n)) break;
+  // Where OTFs have kinks, what the weights miss there.
+  if (tables.is_parted()) grid_x_ = WeightAxis(out.width), grid_y_ = WeightAxis(out.height);
+  for (const double kink : tables.kinks())
+    for (std::size_t i = 0; i < kProbes; ++i) {
+      const double a = 2.0 * std::fmod(static_cast<double>(i) * 0.6180339887498949, 1.0);
+      const double tx = x_.place_of(kink * cos_pi(a)), ty = y_.place_of(kink * sin_pi(a));
+      if (std::abs(tx) <= 1.0 && std::abs(ty) <= 1.0) probes_.push_back({tx, ty});
+    }
+  if (tables.is_parted())  // between the nodes of a grid there may be no pixels
+    for (auto& [tx, ty] : probes_) tx = x_.place(std::round(x_.pixel(tx))), ty = y_.place(std::round(y_.pixel(ty)));
+  for (const std::size_t n : points)
+    if (n >= (tables.is_parted() ? kLeastWithKinks : 0) && make(tables, at, rms, n, n == points.back())) break;
 }
 
-std::array<double, 2> FieldModes::probe(std::size_t i) {
-  const auto k = static_cast<double>(i);
-  return {2.0 * std::fmod(0.5 + k * 0.7548776662466927, 1.0) - 1.0,
-          2.0 * std::fmod(0.5 + k * 0.5698402909980532, 1.0) - 1.0};
-}
-
-std::vector<FieldPoint<double>> FieldModes::places(std::size_t n) const {
+std::vector<FieldPoint<double>> FieldModes::places(std::size_t n, std::size_t rows) const {
   std::vector<FieldPoint<double>> list;
   const std::vector<double> nodes = Barycentric::with_ends(n).x;
-  for (const double ty : nodes)
+  for (const double ty : rows == 1 ? std::vector{0.0} : nodes)
     for (const double tx : nodes) list.push_back({x_.at(tx), y_.at(ty)});
-  for (std::size_t i = 0; i < kProbes; ++i) {
-    const auto [tx, ty] = probe(i);
-    list.push_back({x_.at(tx), y_.at(ty)});
-  }
+  for (const auto& [tx, ty] : probes_) list.push_back({x_.at(tx), y_.at(ty)});
   list.push_back({});  // the axis
   return list;
 }
 
-/// True when more points of the image are not needed.
-bool FieldModes::make(FieldTables& tables, const Frequencies& at, const Rms& rms, std::size_t n) {
+std::vector<float> FieldModes::grid_row(std::span<const float> values, double y) const {
+  const auto [first, weight] = grid_y_.at(y);
+  std::vector<float> row(grid_x_.nodes());
+  for (std::size_t j = 0; j < weight.size(); ++j)
+    for (std::size_t i = 0; i < row.size(); ++i) row[i] += weight[j] * values[(first + j) * row.size() + i];
+  return row;
+}
+
+/// Weights of the modes on the grid over the image, which the image will be given, and at the probes.
+void FieldModes::project(std::vector<Mode>& modes, const FieldTables& tables, const Frequencies& at,
+                         std::span<const std::ptrdiff_t> some, int threads) const {
+  std::vector<Freq<double>> f;
+  for (const Index i : some) f.push_back(at.f[static_cast<std::size_t>(i)]);
+  std::vector<Projection> take;
+  for (const Mode& mode : modes) take.push_back({mode.part, mode.take});
+  std::vector<FieldPoint<double>> nodes;
+  for (std::size_t j = 0; j < grid_y_.nodes(); ++j)
+    for (std::size_t i = 0; i < grid_x_.nodes(); ++i)
+      nodes.push_back({x_.at(x_.place(grid_x_.pixel(i))), y_.at(y_.place(grid_y_.pixel(j)))});
+  const Matrix weights = radial_weights(tables, f, take, nodes, threads);
+  for (std::size_t k = 0; k < modes.size(); ++k) {
+    Mode& mode = modes[k];
+    mode.everywhere = weights.col(static_cast<Index>(k)).array() - mode.of_mean;
+    scale_to_one(mode);
+    const Eigen::VectorXf values = mode.everywhere.cast<float>();
+    mode.at_probes.resize(std::ssize(probes_));
+    for (std::size_t i = 0; i < probes_.size(); ++i)
+      mode.at_probes(static_cast<Index>(i)) =
+          grid_x_.at(x_.pixel(probes_[i][0]))
+              .of(grid_row({values.data(), values.data() + values.size()}, y_.pixel(probes_[i][1])));
+  }
+}
+
+/// True when more points of the image are not needed, or there are none.
+bool FieldModes::make(FieldTables& tables, const Frequencies& at, const Rms& rms, std::size_t n, bool last) {
   const FieldModesOptions& options = rms.options;
+  const std::size_t rows = options.line ? 1 : n;
   n_ = n;
-  const std::vector<FieldPoint<double>> places = this->places(n);
+  const std::vector<FieldPoint<double>> places = this->places(n, rows);
   points_ = places.size();
   tables.prepare(places);
-  const auto count = static_cast<Index>(n * n), all = static_cast<Index>(places.size());
+  const auto count = static_cast<Index>(n * rows), all = static_cast<Index>(places.size());
   std::array<Matrix, 4> d;  // parts at the places
   for (Matrix& part : d) part.resize(all, at.count());
   parallel_for(all, 1, options.threads, [&](std::int64_t begin, std::int64_t end) {
@@ -328,10 +408,10 @@ bool FieldModes::make(FieldTables& tables, const Frequencies& at, const Rms& rms
   });
 
   // Deviations from the mean over the image.
-  const std::vector<double> one = mean_weights(n);
+  const std::vector<double> one = mean_weights(n), other = rows == 1 ? std::vector{1.0} : one;
   Vector weight(count);
-  for (std::size_t j = 0; j < n; ++j)
-    for (std::size_t i = 0; i < n; ++i) weight(static_cast<Index>(j * n + i)) = one[i] * one[j];
+  for (std::size_t j = 0; j < rows; ++j)
+    for (std::size_t i = 0; i < n; ++i) weight(static_cast<Index>(j * n + i)) = one[i] * other[j];
   std::array<Row, 4> mean;
   for (std::size_t p = 0; p < d.size(); ++p) {
     mean[p] = weight.transpose() * d[p].topRows(count);
@@ -339,22 +419,21 @@ bool FieldModes::make(FieldTables& tables, const Frequencies& at, const Rms& rms
   }
 
   const Vector frequency_weight = weights_of(at, options.spectrum);
+  const std::vector<Index> some = some_of(at.count(), tables.is_parted() ? 4 : 2);
   std::vector<Mode> modes;
   for (std::size_t p = 0; p < d.size(); ++p)
     if (tables.factor().all.has(kOtfParts[p])) {
-      std::vector<Mode> more = modes_of(kOtfParts[p], d[p].topRows(count), weight, frequency_weight);
+      std::vector<Mode> more = modes_of(kOtfParts[p], d[p].topRows(count), weight, frequency_weight, some);
+      for (Mode& mode : more) mode.of_mean = mean[p](some).dot(mode.take);
       std::move(more.begin(), more.end(), std::back_inserter(modes));
     }
   std::stable_sort(modes.begin(), modes.end(), [](const Mode& a, const Mode& b) { return a.power > b.power; });
   while (modes.size() > 1 && !(modes.back().power > kNoise * kNoise * modes.front().power)) modes.pop_back();
-  std::vector<std::array<double, 2>> probes;
-  for (std::size_t i = 0; i < kProbes; ++i) probes.push_back(probe(i));
-  constexpr int kGrid = 32;
-  Matrix basis(static_cast<Index>(n), kGrid + 1);
-  for (int i = 0; i <= kGrid; ++i)
-    basis.col(i) = Eigen::Map<const Vector>(chebyshev(n, 2.0 * i / kGrid - 1.0).data(), basis.rows());
-  const Matrix transform = to_series(n);
-  for (Mode& mode : modes) complete(mode, transform, basis, probes);
+  const AxisBasis in_x(n), in_y(rows);
+  if (tables.is_parted())
+    project(modes, tables, at, some, options.threads);
+  else
+    for (Mode& mode : modes) complete(mode, in_x, in_y, probes_);
 
   // What it costs to leave modes out, from the least on, or all of them and the mean as well.
   const Index grid = modes.empty() ? 1 : modes.front().everywhere.size();
@@ -368,8 +447,7 @@ bool FieldModes::make(FieldTables& tables, const Frequencies& at, const Rms& rms
     if (tables.factor().all.has(kOtfParts[p])) bound.add(Vector::Ones(grid), squares_of(at, d[p].row(all - 1)));
   axis_error_ = bound.rms(rms);
   between_ = 0.0;
-  for (std::size_t i = 0; i < kProbes; ++i) {
-    const auto row = static_cast<Index>(i);
+  for (Index row = 0; row < std::ssize(probes_); ++row) {
     double error = 0.0;
     for (std::size_t p = 0; p < d.size(); ++p) {
       Row missed = d[p].row(count + row);
@@ -379,10 +457,10 @@ bool FieldModes::make(FieldTables& tables, const Frequencies& at, const Rms& rms
     }
     between_ = std::max(between_, kBetweenSafety * error);
   }
-  // Tables and the average over the band, as errors of all OTFs alike.
   band_ = options.worst_unit * tables.band_error();
-  between_ += options.worst_unit * std::pow(lebesgue(n), 2) * tables.error() + band_;
-  const bool done = between_ <= options.enough || n == kPoints.back() || tables.is_dear(4 * n * n);
+  between_ += options.worst_unit * (tables.is_parted() ? 1.0 : lebesgue(n) * lebesgue(rows)) * tables.error() + band_;
+  const bool done = between_ <= (tables.is_parted() ? kWithKinks : 1.0) * options.enough || last ||
+                    tables.is_dear(options.line ? 2 * n : 4 * n * n);
   if (!done) return false;
 
   // The tables of the mean and of the modes that may be asked for.
@@ -412,7 +490,8 @@ bool FieldModes::make(FieldTables& tables, const Frequencies& at, const Rms& rms
     made(mode.sum - mode.sum.sum() * weight, Parities(mode.part), kModulusSafety * mode.p.cwiseAbs().maxCoeff());
   }
   modes.erase(modes.begin() + static_cast<std::ptrdiff_t>(this->count()), modes.end());
-  for (const Mode& mode : modes) series_.push_back(mode.series);
+  if (!has_kinks())
+    for (const Mode& mode : modes) series_.push_back(mode.series);
   for (const double power : {0.0, 0.5, 1.0, 1.5, 2.0}) {
     Measure& measure = measures_.emplace_back();
     Vector squares = Vector::Zero(2 * at.count());
@@ -424,13 +503,21 @@ bool FieldModes::make(FieldTables& tables, const Frequencies& at, const Rms& rms
     }
     measure.rms = rms(squares);
   }
+  if (has_kinks()) {
+    for (const Mode& mode : modes) {
+      const Eigen::VectorXf values = mode.everywhere.cast<float>();
+      rows_.emplace_back(values.begin(), values.end());
+    }
+    for (std::int64_t x = 0; x < x_.count; ++x) columns_.push_back(grid_x_.at(static_cast<double>(x)));
+    return true;
+  }
   for (std::size_t k = 1; k < factors_.size(); ++k) {
     std::vector<float>& along = rows_.emplace_back(n * static_cast<std::size_t>(y_.count));
     for (std::int64_t y = 0; y < y_.count; ++y) {
-      const std::vector<double> values = chebyshev(n, place_y(static_cast<double>(y)));
+      const std::vector<double> values = chebyshev(rows, place_y(static_cast<double>(y)));
       for (std::size_t i = 0; i < n; ++i) {
         double sum = 0.0;
-        for (std::size_t j = 0; j < n; ++j) sum += series(k)[j * n + i] * values[j];
+        for (std::size_t j = 0; j < rows; ++j) sum += series(k)[j * n + i] * values[j];
         along[static_cast<std::size_t>(y) * n + i] = static_cast<float>(sum);
       }
     }
@@ -446,6 +533,14 @@ bool FieldModes::make(FieldTables& tables, const Frequencies& at, const Rms& rms
 
 void FieldModes::add(std::size_t mode, std::int64_t y, std::int64_t x, std::span<const float> filtered,
                      float* image) const {
+  if (has_kinks()) {
+    const std::vector<float> row = grid_row(rows_.at(mode - 1), static_cast<double>(y));
+    std::vector<float> weight(filtered.size());
+    for (std::size_t i = 0; i < weight.size(); ++i) weight[i] = columns_[static_cast<std::size_t>(x) + i].of(row);
+    const kernels::Scaled whole{1.0F, weight.data()};
+    kernels::add_weighted(filtered.data(), static_cast<std::int64_t>(filtered.size()), {&whole, 1}, image + x);
+    return;
+  }
   constexpr float kRounding = 1e-9F;  // of a weight of 1: weights that are even or odd lack every other polynomial
   const float* const row = rows_.at(mode - 1).data() + static_cast<std::size_t>(y) * n_;
   std::array<kernels::Scaled, kPoints.back()> terms;

@@ -16,13 +16,15 @@
 // that max |a_k| = 1 the least of c = 1, 1 / |p_k| and 1 / |p_k|^2 is taken. What one part filters of a mirrored canvas
 // has a modulus as symmetric as the canvas, so that nothing of it can concentrate in the image: where C has one part,
 // the bound for mirrored scenes is half of that of any error. What interpolation between the points
-// misses is looked at in other places of the image.
+// misses is looked at in other places of the image. Weights are polynomials over the image, but where a lens about its
+// axis has kinks along the radius (radial_weights.h).
 
 #include <array>
 #include <memory>
 #include <span>
 #include <vector>
 
+#include "mtf/field/weight_axis.h"
 #include "mtf/grid.h"
 #include "mtf/otf/factored_otf.h"
 
@@ -38,6 +40,7 @@ struct FieldModesOptions {
   double part_gain = 1.0;  ///< factor on both for an error of one parity, whose square is as symmetric as the canvas
   double enough = 0.0;     ///< an rms error for which no more points are taken
   double reach = 1.0;      ///< OTFs are wanted up to that many times the scene's Nyquist frequencies
+  bool line = false;       ///< of one parameter alone, which the x of the field stands for: points along one row
   int threads = 0;
   OtfProgress progress = {};
 };
@@ -77,7 +80,10 @@ class FieldModes {
     double rms = 0.0;
   };
   const std::vector<Measure>& measures() const { return measures_; }
-  /// The weight of a mode as a Chebyshev series, [y][x] of as many terms each as this; its variables are
+  /// Whether OTFs have kinks over the image, where weights are no polynomials, and there is no series.
+  bool has_kinks() const { return grid_x_.nodes() > 0; }
+  /// The weight of a mode as a Chebyshev series, [y][x] of as many terms each as this (of a line along x alone); its
+  /// variables are
   std::size_t terms() const { return n_; }
   const std::vector<double>& series(std::size_t mode) const { return series_.at(mode - 1); }
   /// the places of pixels, -1 .. 1.
@@ -87,6 +93,7 @@ class FieldModes {
   // What its making goes by.
   struct Frequencies;
   struct Rms;
+  struct Mode;
 
  private:
   struct Line {
@@ -94,20 +101,27 @@ class FieldModes {
     std::int64_t count = 0;
     double last() const { return first + step * static_cast<double>(count - 1); }
     /// Pixel i as a place in -1 .. 1, and the field coordinate of a place.
+    double place_of(double q) const { return count > 1 ? (2.0 * q - first - last()) / (last() - first) : 0.0; }
+    double pixel(double t) const { return 0.5 * (1.0 + t) * static_cast<double>(count - 1); }
     double place(double i) const { return count > 1 ? 2.0 * i / static_cast<double>(count - 1) - 1.0 : 0.0; }
     double at(double t) const { return 0.5 * ((1.0 - t) * first + (1.0 + t) * last()); }  // t in -1 .. 1
   };
   /// Those at which OTFs are made with n points along an axis: the points, places between them, and the optical axis.
-  std::vector<FieldPoint<double>> places(std::size_t n) const;
-  static std::array<double, 2> probe(std::size_t i);
-  bool make(FieldTables& tables, const Frequencies& at, const Rms& rms, std::size_t n);
+  std::vector<FieldPoint<double>> places(std::size_t n, std::size_t rows) const;
+  std::vector<float> grid_row(std::span<const float> values, double y) const;
+  void project(std::vector<Mode>& modes, const FieldTables& tables, const Frequencies& at,
+               std::span<const std::ptrdiff_t> some, int threads) const;
+  bool make(FieldTables& tables, const Frequencies& at, const Rms& rms, std::size_t n, bool last);
 
   Line x_, y_;
   std::size_t n_ = 0, points_ = 0;  ///< points along an axis
   std::vector<std::shared_ptr<const GivenFactor>> factors_;
   std::vector<Measure> measures_;
   std::vector<std::vector<double>> series_;
-  std::vector<std::vector<float>> rows_;  ///< of each weight, for each row the Chebyshev coefficients along x
+  std::vector<std::array<double, 2>> probes_;  ///< places in -1 .. 1 that are looked at
+  WeightAxis grid_x_, grid_y_;                 ///< where there are kinks: nodes of the weights,
+  std::vector<WeightAxis::Cubic> columns_;     ///< and each column of the image between them
+  std::vector<std::vector<float>> rows_;  ///< of each weight, its nodes or for each row Chebyshev coefficients along x
   std::vector<float> along_x_;            ///< the polynomials at the pixels of a row, one after the other
   std::vector<double> error_;
   double axis_error_ = 0.0, between_ = 0.0, band_ = 0.0;

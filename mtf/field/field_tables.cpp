@@ -8,6 +8,7 @@
 #include <numeric>
 #include <string>
 
+#include "mtf/components/wavefront.h"
 #include "mtf/error.h"
 #include "mtf/math/special.h"
 
@@ -20,6 +21,9 @@ constexpr double kMostInAll = 1.5e6;   // values of an OTF at one wavelength, fo
 constexpr double kQuick = 0.01;        // of the time of a slow component
 constexpr double kSomePlaces = 300.0;  // 17 x 17 and some between
 constexpr double kRadiusShare = 2.0;   // of the error of a table, for interpolation along a radius
+constexpr double kKinkShare = 0.5;     // of the error that is enough: the tables of a radius with kinks
+constexpr double kWorstSafety = 2.0;   // of errors of a sum of tables, which tell of all radii in their panel
+constexpr double kLeastPanel = 0.01;   // of a radius
 constexpr double kMostBytes = 2e9;     // of all tables
 constexpr double kLeastPiece = 0.02;   // of the end of a table
 
@@ -184,46 +188,110 @@ bool FieldTables::turns(double farthest) const {
   return true;
 }
 
+// The radii at which the shape of a pupil changes.
+std::vector<double> FieldTables::kinks_of_radius(double farthest) const {
+  constexpr int kSteps = 64;
+  const auto shapes = [&](double r) {
+    const System<double> here = system_.at({r, 0.0});
+    std::vector<int> shape;
+    for (const std::size_t i : factor_.entries)
+      if (const auto* w = here.list(Stage::presample)[i].component.get_if<Wavefront<double>>())
+        shape.push_back(w->rim().shape(obscuration_of(w->obscuration, here.context())));
+    return shape;
+  };
+  std::vector<double> kinks;
+  std::vector<int> before = shapes(0.0);
+  for (int i = 1; i <= kSteps; ++i) {
+    const double end = farthest * i / kSteps;
+    std::vector<int> after = shapes(end);
+    if (after == before) continue;
+    double low = farthest * (i - 1) / kSteps, high = end;
+    for (int halving = 0; halving < 48; ++halving) {
+      const double middle = 0.5 * (low + high);
+      (shapes(middle) == before ? low : high) = middle;
+    }
+    kinks.push_back(high);
+    before = std::move(after);
+  }
+  return kinks;
+}
+
 // Tables along a radius, where few of them are enough.
 void FieldTables::try_radius(double farthest) {
-  constexpr std::array<std::size_t, 2> kRadii{9, 17};  // every other of these is one of those
-  std::vector<PolarTable> kept;
-  for (const std::size_t n : kRadii) {
-    tables_.clear();
-    radii_ = Barycentric::with_ends(n);
-    for (std::size_t i = 0; i < n; ++i) {
-      const bool made = !kept.empty() && i % 2 == 0;
-      tables_.push_back(made ? std::move(kept[i / 2])
-                             : table_of(ComponentsAt(system_, factor_.entries, chromatic_,
-                                                     {0.5 * farthest * (1.0 + radii_.x[i]), 0.0})));
+  double begin = 0.0;
+  for (const double end : kinks_of_radius(farthest))
+    if (end - begin > kLeastPanel * farthest && farthest - end > kLeastPanel * farthest)
+      panels_.push_back({begin, end}), begin = end;
+  panels_.push_back({begin, farthest});
+  // Frequencies meet the edge of a cut pupil at radii of their own behind its kink, so that tables and polynomials
+  // converge slowly; what they miss is said.
+  const double target = is_parted() ? std::max(options_.table_error, kKinkShare * options_.enough / options_.worst_unit)
+                                    : options_.table_error;
+  std::vector<double> radii;  // of the tables
+  double worst = 0.0;
+  for (Panel& panel : panels_) worst = std::max(worst, fill(panel, radii, target));
+  places_.clear();
+  if (is_parted() || worst <= kRadiusShare * target) {
+    for (const PolarTable& table : tables_)
+      error_ = std::max(error_, is_parted() ? std::max(kWorstSafety * worst, table.error())
+                                            : worst + lebesgue(panels_.front().points.x.size()) * table.error());
+    return;
+  }
+  panels_.clear();
+  tables_.clear();
+  values_ = 0;
+}
+
+// Takes more points until interpolation between them keeps the target; returns what it misses.
+double FieldTables::fill(Panel& panel, std::vector<double>& radii, double target) {
+  constexpr std::array<std::size_t, 3> kPoints{5, 9, 17};  // every other of these is one of those before
+  constexpr double kSame = 1e-12;
+  double worst = 0.0;
+  for (const std::size_t n : kPoints) {
+    panel.points = Barycentric::with_ends(n);
+    panel.tables.clear();
+    for (const double t : panel.points.x) {
+      const double r = panel.at(t);
+      const auto known = std::ranges::find_if(radii, [r](double other) { return std::abs(r - other) < kSame; });
+      panel.tables.push_back(static_cast<std::size_t>(known - radii.begin()));
+      if (known != radii.end()) continue;
+      tables_.push_back(table_of(ComponentsAt(system_, factor_.entries, chromatic_, {r, 0.0}), target));
+      radii.push_back(r);
     }
-    farthest_ = farthest;
-    double worst = 0.0;
-    places_.clear();
-    error_ = 0.0;
+    worst = 0.0;
     for (const double share : {0.03, 0.37, 0.71, 0.97}) {
-      const FieldPoint<double> q{share * farthest, 0.0};
+      const FieldPoint<double> q{panel.at(2.0 * share - 1.0), 0.0};
+      places_.clear();
       prepare(std::span(&q, 1));
       const ComponentsAt exact(system_, factor_.entries, chromatic_, q);
       const PolarTable table = at(0);
       for (const Freq<double>& f : some_frequencies()) worst = std::max(worst, distance(exact.otf(f), table.at(f)));
     }
-    places_.clear();
-    if (worst <= kRadiusShare * options_.table_error) {
-      for (const PolarTable& table : tables_) error_ = std::max(error_, worst + lebesgue(n) * table.error());
-      return;
-    }
-    kept = std::move(tables_);
+    if (worst <= kRadiusShare * target) break;
   }
-  tables_.clear();
-  farthest_ = 0.0;
-  values_ = 0;
+  return worst;
 }
 
-PolarTable FieldTables::table_of(const ComponentsAt& part) {
+std::vector<double> FieldTables::kinks() const {
+  std::vector<double> kinks;
+  for (std::size_t i = 1; i < panels_.size(); ++i) kinks.push_back(panels_[i].begin);
+  return kinks;
+}
+
+std::vector<FieldTables::Share> FieldTables::shares_at(double radius) const {
+  const auto panel = std::find_if(panels_.begin(), panels_.end() - 1, [&](const Panel& p) { return radius < p.end; });
+  const double t = 2.0 * (radius - panel->begin) / (panel->end - panel->begin) - 1.0;
+  std::vector<double> weight(panel->tables.size());
+  panel->points.weights_at(std::clamp(t, -1.0, 1.0), weight.data());
+  std::vector<Share> shares;
+  for (std::size_t i = 0; i < weight.size(); ++i) shares.push_back({panel->tables[i], weight[i]});
+  return shares;
+}
+
+PolarTable FieldTables::table_of(const ComponentsAt& part, double target) {
   const PolarTable::Function h = [&part](const Freq<double>& f) { return part.otf(f); };
   const auto most = static_cast<std::int64_t>(kMostInAll / (wavelengths_ * kSomePlaces));
-  PolarTable table(h, PolarTable::rings_of(h, options_.threads), breaks_, options_.table_error,
+  PolarTable table(h, PolarTable::rings_of(h, options_.threads), breaks_, target,
                    std::clamp(most, kFewValues, kMostValues), options_.threads);
   values_ += table.evaluations();
   if (options_.progress) options_.progress(table.evaluations());
@@ -231,7 +299,7 @@ PolarTable FieldTables::table_of(const ComponentsAt& part) {
 }
 
 bool FieldTables::is_dear(std::size_t places) const {
-  if (farthest_ > 0.0 || places_.empty()) return false;
+  if (!panels_.empty() || places_.empty()) return false;
   const double each = static_cast<double>(values_) / static_cast<double>(places_.size());
   return each * static_cast<double>(places) * wavelengths_ > kMostInAll;
 }
@@ -243,14 +311,12 @@ void FieldTables::prepare(std::span<const FieldPoint<double>> places) {
                                     [&](const Place& place) { return place.q.x == q.x && place.q.y == q.y; });
     last_.push_back(static_cast<std::size_t>(known - places_.begin()));
     if (known != places_.end()) continue;
-    if (farthest_ > 0.0) {
-      const double t = std::clamp(2.0 * std::hypot(q.x, q.y) / farthest_ - 1.0, -1.0, 1.0);
-      Place& place = places_.emplace_back(Place{q, 0, Numbers(tables_.size()), std::atan2(q.y, q.x)});
-      radii_.weights_at(t, place.weight.data());
+    if (!panels_.empty()) {
+      places_.push_back({q, shares_at(std::hypot(q.x, q.y)), std::atan2(q.y, q.x)});
       continue;
     }
-    tables_.push_back(table_of(ComponentsAt(system_, factor_.entries, chromatic_, q)));
-    places_.push_back({q, tables_.size() - 1, {1.0}, 0.0});
+    tables_.push_back(table_of(ComponentsAt(system_, factor_.entries, chromatic_, q), options_.table_error));
+    places_.push_back({q, {{tables_.size() - 1, 1.0}}, 0.0});
     error_ = std::max(error_, tables_.back().error());
     bytes_ += tables_.back().bytes();
     const double bytes = static_cast<double>(bytes_) / static_cast<double>(places_.size()) *
@@ -277,9 +343,9 @@ PolarTable FieldTables::combined(std::span<const std::size_t> places, std::span<
     std::vector<std::complex<double>> turn;
     for (std::size_t m = 0; m < most; ++m)
       turn.push_back(weight[k] * std::polar(1.0, -static_cast<double>(m) * place.angle));
-    for (std::size_t i = 0; i < place.weight.size(); ++i) {
-      std::vector<std::complex<double>>& sum = of_table[place.first + i];
-      for (std::size_t m = 0; m < sum.size(); ++m) sum[m] += place.weight[i] * turn[m];
+    for (const auto& [table, share] : place.shares) {
+      std::vector<std::complex<double>>& sum = of_table[table];
+      for (std::size_t m = 0; m < sum.size(); ++m) sum[m] += share * turn[m];
     }
   }
   return PolarTable::combination(tables, of_table);
@@ -287,7 +353,7 @@ PolarTable FieldTables::combined(std::span<const std::size_t> places, std::span<
 
 PolarTable FieldTables::at(std::size_t place) const {
   const Place& here = places_[last_[place]];
-  if (here.weight.size() == 1) return tables_[here.first];
+  if (here.shares.size() == 1) return tables_[here.shares.front().table];
   constexpr std::array one{1.0};
   return combined(std::span(&last_[place], 1), one);
 }

@@ -4,6 +4,8 @@
 // The components of a presample list whose OTF changes over the image: their product at any place of the image, as
 // tables over radius and direction (mtf/otf/otf_tables.h) with the same breaks. Of a system whose OTF only turns with
 // the direction of the field point and depends on its distance besides, a few tables along a radius serve all places.
+// Where rims cut the pupil the OTF has kinks along the radius: it is parted there, and each panel has Chebyshev points
+// of its own.
 
 #include <complex>
 #include <span>
@@ -30,6 +32,17 @@ class FieldTables {
   PolarTable sum(std::span<const double> weight) const;
   /// Bound of |table - OTF| at each of the places, by their makers.
   double error() const { return error_; }
+  /// The tables along the radius, whose sum is the OTF at a place (angle 0: on +x), where the radius is parted: then
+  /// OTFs are not smooth over the image, and polynomials do not follow them.
+  bool is_parted() const { return panels_.size() > 1; }
+  std::vector<double> kinks() const;
+  std::span<const PolarTable> along_radius() const { return tables_; }
+  struct Share {
+    std::size_t table;
+    double weight;
+  };
+  std::vector<Share> shares_at(double radius) const;
+
   /// Whether the OTFs at that many more places would take longer than anyone would wait.
   bool is_dear(std::size_t places) const;
 
@@ -41,19 +54,26 @@ class FieldTables {
 
  private:
   class ComponentsAt;
-  using Numbers = std::vector<double>;
+  /// Of a radius, and its points with their tables.
+  struct Panel {
+    double begin = 0.0, end = 0.0;
+    Barycentric points{};
+    std::vector<std::size_t> tables{};
+    double at(double t) const { return 0.5 * ((1.0 - t) * begin + (1.0 + t) * end); }  // t in -1 .. 1
+  };
   /// The OTF at a place: a sum of tables, turned.
   struct Place {
     FieldPoint<double> q;
-    std::size_t first = 0;  ///< table
-    Numbers weight;
+    std::vector<Share> shares;
     double angle = 0.0;
   };
   std::vector<Freq<double>> some_frequencies() const;
   void choose_band_nodes(std::span<const FieldPoint<double>> places, double target);
   bool turns(double farthest) const;
+  std::vector<double> kinks_of_radius(double farthest) const;
   void try_radius(double farthest);
-  PolarTable table_of(const ComponentsAt& part);
+  double fill(Panel& panel, std::vector<double>& radii, double target);
+  PolarTable table_of(const ComponentsAt& part, double target);
   PolarTable combined(std::span<const std::size_t> places, std::span<const double> weight) const;
 
   System<double> system_;
@@ -63,8 +83,7 @@ class FieldTables {
   std::vector<double> breaks_;
   GivenFactor factor_;
   std::vector<PolarTable> tables_;
-  double farthest_ = 0.0;  ///< where tables are those of a radius: its end,
-  Barycentric radii_;      ///< and their places along it, -1 .. 1
+  std::vector<Panel> panels_;  ///< where tables are those of a radius
   std::vector<Place> places_;
   std::vector<std::size_t> last_;  ///< of places_
   double error_ = 0.0, band_error_ = 0.0;

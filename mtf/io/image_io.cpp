@@ -13,6 +13,7 @@
 #include "mtf/io/image_formats.h"
 #include "mtf/io/image_windows.h"
 #include "mtf/io/plane_checks.h"
+#include "mtf/io/raw/camera_raw.h"
 #include "mtf/io/raw/envi.h"
 #include "mtf/words.h"
 
@@ -54,6 +55,12 @@ bool starts_as_bmp(std::string_view bytes) {
          bytes.substr(15, 3) == "\0\0\0"sv && bytes.substr(26, 2) == "\1\0"sv;
 }
 
+bool starts_as_gdal(std::string_view bytes) {
+  return std::ranges::any_of(
+      std::array{"NITF0"sv, "NSIF0"sv, "\x89HDF\r\n\x1a\n"sv, "\0\0\0\x0cjP  \r\n\x87\n"sv, "\xff\x4f\xff\x51"sv},
+      [&](std::string_view mark) { return bytes.starts_with(mark); });
+}
+
 constexpr std::array kFormats{
     ImageFormat{.format = Format::exr,
                 .name = "OpenEXR",
@@ -79,24 +86,25 @@ constexpr std::array kFormats{
                 .starts = [](std::string_view bytes) { return bytes.starts_with("\x89PNG\r\n\x1a\n"sv); },
                 .info = raster_info<Format::png>,
                 .read = raster_image<Format::png>},
-    ImageFormat{.format = Format::tiff,
-                .name = "TIFF",
-                .known_by = "first bytes",
-                .numbers = "8 and 16 bits, float, double",
-                .endings = {".tif", ".tiff"},
-                .written = "8 or 16 bits",
-                .applied = "TransferFunction by [scene] encoding, GDAL_NODATA, resolution, tiles, BigTIFF",
-                .noted = "further pages, palette, alpha, ICC profiles, MaxSampleValue",
-                .refused = "signed, 1, 12 and 32-bit whole numbers, complex; mosaics, CMYK, YCbCr; Orientation",
-                .starts = starts_as_tiff,
-                .info = raster_info<Format::tiff>,
-                .read = raster_image<Format::tiff>},
+    ImageFormat{
+        .format = Format::tiff,
+        .name = "TIFF",
+        .known_by = "first bytes",
+        .numbers = "8, 12 and 16 bits, signed of 8 and 16, float, double",
+        .endings = {".tif", ".tiff"},
+        .written = "8 or 16 bits",
+        .applied = "TransferFunction by [scene] encoding, GDAL_NODATA, pages (--page N), resolution, tiles, BigTIFF",
+        .noted = "further pages, palette, alpha, ICC profiles, MaxSampleValue",
+        .refused = "whole numbers of 1 and 32 bits, complex; mosaics, CMYK, YCbCr; Orientation",
+        .starts = starts_as_tiff,
+        .info = raster_info<Format::tiff>,
+        .read = raster_image<Format::tiff>},
     ImageFormat{.format = Format::jpeg,
                 .name = "JPEG",
                 .known_by = "first bytes",
-                .numbers = "luminance, 8 bits",
-                .applied = "curve sRGB by [scene] encoding, densities",
-                .noted = "orientation, further images, raw counts of FLIR, unknown segments",
+                .numbers = "luminance, 8 bits; counts of FLIR and DJI",
+                .applied = "curve sRGB by [scene] encoding, densities; raw counts as channel counts",
+                .noted = "orientation, further images, unknown segments, which may be raw counts",
                 .refused = "12 bits, lossless, RGB, CMYK",
                 .starts = [](std::string_view bytes) { return bytes.starts_with("\xff\xd8\xff"sv); },
                 .info = raster_info<Format::jpeg>,
@@ -146,12 +154,46 @@ constexpr std::array kFormats{
                 .starts = starts_as_bmp,
                 .info = raw_info<open_bmp>,
                 .read = raw_image<open_bmp>,
-                .raw = open_bmp}};
+                .raw = open_bmp},
+    ImageFormat{
+        .format = Format::flir,
+        .name = "FLIR",
+        .known_by = "FFF or AFF and a 0; in a JPEG its channel counts",
+        .numbers = "16 bits, PNG of 16 bits",
+        .applied = "order of bytes, frames of a SEQ as parts, camera_counts, emissivity, reflected, air, window",
+        .noted = "constants that are missing, frames without counts, bytes behind the last one",
+        .refused = "JPEG-LS (CSQ)",
+        .starts = [](std::string_view bytes) { return bytes.starts_with("FFF\0"sv) || bytes.starts_with("AFF\0"sv); },
+        .info = raw_info<open_flir>,
+        .read = raw_image<open_flir>,
+        .raw = open_flir},
+    ImageFormat{.format = Format::gdal,
+                .name = "GDAL",
+                .known_by = "NITF, HDF5 or JPEG 2000",
+                .numbers = "all real numbers",
+                .applied = "images as parts, scale and offset, no-data values, sizes of pixels",
+                .noted = "geotransform and coordinate system, as text",
+                .refused = "complex numbers, palettes",
+                .starts = starts_as_gdal,
+                .info = raw_info<open_gdal>,
+                .read = raw_image<open_gdal>,
+                .raw = open_gdal},
+    ImageFormat{.format = Format::camera_raw,
+                .name = "DNG, raw",
+                .known_by = "endings .dng, .nef, .cr2, ...",
+                .numbers = "mosaics up to 16 bits",
+                .applied = "the maker's compression, masked margins, white level as full scale",
+                .noted = "mosaic, black level, exposure, orientation",
+                .refused = "demosaiced and X-Trans files, floats",
+                .starts = [](std::string_view) { return false; },  // by their names
+                .info = raw_info<open_camera_raw>,
+                .read = raw_image<open_camera_raw>}};
 
 /// By content and, of bare numbers, by the header beside them.
 std::optional<Format> format_at(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) throw RuntimeError("cannot read " + path + ": it cannot be opened; check its permissions");
+  if (is_camera_raw(path)) return Format::camera_raw;
   std::array<char, 32> start{};
   file.read(start.data(), static_cast<std::streamsize>(start.size()));
   if (const auto format = format_of({start.data(), static_cast<std::size_t>(file.gcount())})) return format;

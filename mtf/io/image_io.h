@@ -21,7 +21,7 @@
 
 namespace mtf::io {
 
-enum class Format { exr, png, tiff, jpeg, envi, fits, pnm, bmp };
+enum class Format { exr, png, tiff, jpeg, envi, fits, pnm, bmp, gdal, camera_raw, flir };
 
 /// Format by the first bytes of a file; nothing where they are those of no image.
 std::optional<Format> format_of(std::string_view start);
@@ -77,7 +77,8 @@ struct ReadOptions {
   std::optional<std::string> channel;
   /// All colour (or single) channels of this layer; "" = the channels without a layer.
   std::optional<std::string> layer{};
-  /// Part of a multi-part file; needed only when names repeat.
+  /// Part of a multi-part file, from 0; needed only when names repeat. Of a TIFF the page, the first where none is
+  /// asked for.
   std::optional<int> part{};
 };
 

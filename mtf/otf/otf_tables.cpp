@@ -55,6 +55,15 @@ MTFKIT_CLONES void weighted_rows(const double* __restrict rows, std::size_t coun
              weight[3] * rows[3 * count + i];
 }
 
+/// sum[i] += a[i] b[i] of complex numbers, written out: operator* looks for infinities.
+MTFKIT_CLONES void add_turned(const double* __restrict a, const double* __restrict b, std::size_t count,
+                              double* __restrict sum) {
+  for (std::size_t i = 0; i < 2 * count; i += 2) {
+    sum[i] += a[i] * b[i] - a[i + 1] * b[i + 1];
+    sum[i + 1] += a[i] * b[i + 1] + a[i + 1] * b[i];
+  }
+}
+
 }  // namespace
 
 RadialTable::RadialTable(const Function& f, double end, double target, std::int64_t most) : end_(end) {
@@ -231,11 +240,8 @@ PolarTable PolarTable::combination(std::span<const PolarTable* const> tables,
       for (std::size_t k = 0; k < kKnots + 3; ++k) {
         Cplx* const to = sum.pieces_[p].rows.data() + k * sum.orders_;
         const Cplx* const from = table.pieces_[p].rows.data() + k * table.orders_;
-        for (std::size_t m = 0; m < table.orders_; ++m) {
-          const Cplx w = weight[i][m];  // written out: operator* looks for infinities
-          to[m] += Cplx(w.real() * from[m].real() - w.imag() * from[m].imag(),
-                        w.real() * from[m].imag() + w.imag() * from[m].real());
-        }
+        add_turned(reinterpret_cast<const double*>(weight[i].data()), reinterpret_cast<const double*>(from),
+                   table.orders_, reinterpret_cast<double*>(to));
       }
   }
   return sum;

@@ -7,7 +7,9 @@
 // The average of a product of chromatic components over the band is taken at any frequencies, to kBandError. At each
 // frequency the band is split at the wavelengths of the kinks (mtf/band.h). On every part the number of wavelengths is
 // doubled until the integral stands still; the last change is what the average is said to err by. It is that of the
-// rule with half as many wavelengths, so the error is smaller by far.
+// rule with half as many wavelengths, so the error is smaller by far. The weights of metrics
+// (split_mean.h) take half as long at an even rate; of a curve of a thousand samples, which they go through for each
+// part, they take 8 to 12 times as long as all of this for a clear pupil.
 
 #include <algorithm>
 #include <cmath>

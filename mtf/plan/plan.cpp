@@ -12,6 +12,7 @@
 #include "mtf/engines/kept_plane.h"
 #include "mtf/engines/statistics.h"
 #include "mtf/error.h"
+#include "mtf/field/sample_ranges.h"
 #include "mtf/parallel.h"
 #include "mtf/plan/plan_impl.h"
 #include "mtf/words.h"
@@ -108,9 +109,12 @@ std::optional<SceneSummary> summarise(ImageView<const float> scene, Border borde
   if (s.std == 0.0) return std::nullopt;
   const double beyond = border == Border::constant ? std::abs(border_value) : 0.0;  // its light enters the image
   const auto flat = std::count_if(rows.begin(), rows.end(), [](const RowMoments& row) { return row.min == row.max; });
-  return SceneSummary{s.std, std::max({std::abs(s.min), std::abs(s.max), beyond}),
-                      canvas_norm_of(rows, scene.width, border, border_value, s.mean),
-                      static_cast<double>(flat) / static_cast<double>(scene.height), flat_columns(scene)};
+  return SceneSummary{.std = s.std,
+                      .largest = std::max({std::abs(s.min), std::abs(s.max), beyond}),
+                      .canvas_norm = canvas_norm_of(rows, scene.width, border, border_value, s.mean),
+                      .flat_rows = static_cast<double>(flat) / static_cast<double>(scene.height),
+                      .flat_columns = flat_columns(scene),
+                      .deviation = std::max(s.max - s.mean, s.mean - s.min)};
 }
 
 Plan compile_stages(const System<double>& system, std::span<const Stage> stages, const SampleGrid& in,
@@ -205,11 +209,12 @@ Plan compile_stages(const System<double>& system, std::span<const Stage> stages,
 Plan compile(const System<double>& system, const SampleGrid& scene, const SampleGrid& detector,
              const PlanOptions& options) {
   constexpr std::array stages{Stage::presample};
-  if (!system.is_isoplanatic()) {
+  const bool by_range = entry_by_range(system).has_value();
+  if (by_range || !system.is_isoplanatic()) {
     require_valid(system);
     check_grid(scene, "scene");
     check_grid(detector, "detector");
-    return compile_over_field(system, scene, detector, options);
+    return (by_range ? compile_over_range : compile_over_field)(system, scene, detector, options);
   }
   return compile_stages(system, stages, scene, detector, options, {});
 }
@@ -218,6 +223,7 @@ Plan compile_part(const System<double>& system, const SampleGrid& scene, const S
                   const PlanOptions& options, const ScaleSplit& split) {
   constexpr std::array stages{Stage::presample};
   require_isoplanatic(system, "a part of an image (--roi, --memory)");
+  refuse_range(system, "a part of an image (--roi, --memory)");
   return compile_stages(system, stages, scene, detector, options, {.split = split});
 }
 
@@ -225,7 +231,8 @@ Plan compile_part(const System<double>& system, const SampleGrid& scene, const S
 // has not become clearly dearer.
 Plan Plan::with(const System<double>& system) const {
   const bool of_image = impl_->split.is_whole() && impl_->stages == std::vector<Stage>{Stage::presample};
-  if (of_image && (impl_->field || !system.is_isoplanatic() || impl_->report.field.points > 0))
+  if (of_image && (impl_->field || impl_->options.range_m || entry_by_range(system) || !system.is_isoplanatic() ||
+                   impl_->report.field.points > 0))
     return compile(system, in(), out(), impl_->options);
   constexpr double kDearer = 1.5;
   const auto compiled = [&](bool keep_family) {
@@ -267,6 +274,14 @@ void Plan::run(KeptScene& scene, std::span<const ImageView<float>> out, double b
 void Plan::run_planes(std::span<const ImageView<const float>> in, std::span<const ImageView<float>> out,
                       double border_value, int threads, std::span<KeptPlane> kept, const Take& take) const {
   if (in.size() != out.size()) throw UsageError("as many output as input planes are needed");
+  if (impl_->weights) {
+    for (std::size_t c = 0; c < in.size(); ++c) {
+      check_size(in[c].width, in[c].height, impl_->report.in, "input");
+      check_size(out[c].width, out[c].height, impl_->report.out, "output");
+      run_samples(in[c], out[c], threads);
+    }
+    return;
+  }
   if (impl_->field) return run_modes(in, out, border_value, threads, kept);
   const bool constant = impl_->options.border == Border::constant;
   if (constant && !(std::abs(border_value) <= std::numeric_limits<float>::max()))
@@ -338,7 +353,15 @@ std::string Plan::explain() const {
   }
   for (const std::string& line : r.merged) text += "merged    " + line + "\n";
   if (r.wavelengths > 1) text += "band      " + std::to_string(r.wavelengths) + " wavelengths\n";
-  if (r.field.points > 0)
+  if (const auto& ranges = r.field.ranges)
+    text += "range     from " + short_number(ranges->nearest_m) + " to " + short_number(ranges->farthest_m) + " m: " +
+            (r.field.modes == 0
+                 ? std::string("one defocus, that of the mean, serves all samples")
+                 : "the mean OTF and " + plural(static_cast<std::int64_t>(r.field.modes), "mode") + ", from OTFs at " +
+                       std::to_string(r.field.points) + " ranges; least sum of the weights that reach a pixel " +
+                       short_number(ranges->least_weight)) +
+            "; the mean defocus alone would err by at most " + short_number(r.field.one_otf_error) + "\n";
+  else if (r.field.points > 0)
     text += "field     " +
             (r.field.modes == 0 ? std::string("one OTF serves all pixels")
                                 : "the mean OTF and " + (r.field.tiles > 0 ? std::string("at most ") : std::string()) +

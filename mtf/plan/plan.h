@@ -51,6 +51,7 @@ struct SceneSummary {
   double flat_rows = 0.0;     ///< share of the rows that are uniform
   double flat_columns = 0.0;  ///< share of the columns, counted in groups of 16 that are all uniform
   double error = 0.0;         ///< of the values as they come, at most: a table they were made with
+  double deviation = 0.0;     ///< largest |value - mean|; 0: not known, at most 2 largest
 };
 
 /// Summary of a plane, or nothing when it is uniform: every tolerance is met then, but for the light that enters from a
@@ -94,6 +95,7 @@ inline constexpr std::array<std::string_view, 12> kMethodNames{
 
 class SceneSpectrum;
 struct Channel;
+struct SamplesOtf;
 
 struct PlanOptions {
   double tolerance = 1e-4;
@@ -104,8 +106,9 @@ struct PlanOptions {
   std::optional<SceneSummary> scene{};              ///< made by compile() where it is given a scene in memory
   std::shared_ptr<const SceneSpectrum> spectrum{};  ///< of this very scene: what an omission costs it, not any scene
   int threads = 0;                                  ///< for making the OTF; 0 = all cores
-  OtfProgress progress = {};      ///< where slow components take long: how many of their values were made; may throw
-  DeviceChoice device{};          ///< which the plan uses where that is faster; none: the processor alone
+  OtfProgress progress = {};  ///< where slow components take long: how many of their values were made; may throw
+  DeviceChoice device{};      ///< which the plan uses where that is faster; none: the processor alone
+  std::shared_ptr<const Image> range_m{};  ///< of each sample, where defocus is by range (mtf/field/sample_ranges.h)
   bool separate_readout = false;  ///< noise comes between readout and postsample filters: a plan for each (SensorPlan)
 };
 
@@ -148,6 +151,12 @@ struct FieldReport {
   std::size_t modes = 0;       ///< besides the mean OTF, of a tile at most; 0: one OTF serves all pixels
   std::size_t tiles = 0;       ///< of field_tiles
   double one_otf_error = 0.0;  ///< predicted rms error where the OTF of the optical axis serves all pixels
+  /// Of defocus by range: the nearest and the farthest, along the optical axis, and the least sum of weights of a
+  /// pixel; points are ranges, and the one OTF is that of the mean defocus.
+  struct Ranges {
+    double nearest_m = 0.0, farthest_m = 0.0, least_weight = 1.0;
+  };
+  std::optional<Ranges> ranges{};
 };
 
 /// What a plan decided, for reports.
@@ -212,9 +221,12 @@ class Plan {
                   double border_value, int threads, std::span<KeptPlane> kept, const Take& take = {}) const;
   friend Plan compile(const System<double>&, const SampleGrid&, const SampleGrid&, const PlanOptions&);
   friend Plan compile_over_field(const System<double>&, const SampleGrid&, const SampleGrid&, const PlanOptions&);
+  friend Plan compile_over_range(const System<double>&, const SampleGrid&, const SampleGrid&, const PlanOptions&);
+  friend Plan compile_over_samples(const SamplesOtf&, const SampleGrid&, const SampleGrid&, const PlanOptions&);
   void run_engine(const std::vector<Channel>& channels, int threads) const;
   void run_modes(std::span<const ImageView<const float>> in, std::span<const ImageView<float>> out, double border_value,
                  int threads, std::span<KeptPlane> kept) const;
+  void run_samples(ImageView<const float> in, ImageView<float> out, int threads) const;
   struct Recompile;
   friend Plan compile_stages(const System<double>&, std::span<const Stage>, const SampleGrid&, const SampleGrid&,
                              const PlanOptions&, const Recompile&);

@@ -15,21 +15,8 @@
 namespace mtf {
 namespace {
 
-// How the tolerance is shared out over a field: modes that are left out, the mean OTF, the others.
-constexpr double kModesShare = 0.75, kMeanShare = 0.125;
-constexpr double kEnoughShare = 0.1;  // for modes alone
 // Of the cost of a run of the mean: one mode more, and its weights for a pixel and term.
 constexpr double kModeAgain = 0.6, kModeWeightMs = 1.5e-7;
-
-PredictedError& operator+=(PredictedError& a, const PredictedError& b) {
-  a.dropped += b.dropped, a.table += b.table, a.band += b.band, a.cut += b.cut, a.wrap += b.wrap;
-  a.kernel += b.kernel, a.modes += b.modes, a.flat += b.flat, a.arithmetic += b.arithmetic;
-  return a;
-}
-
-bool is_over_field(const std::optional<Method>& method) {
-  return method == Method::field_modes || method == Method::field_tiles;
-}
 
 }  // namespace
 
@@ -137,7 +124,10 @@ Plan compile_over_field(const System<double>& given, const SampleGrid& in, const
       nothing.frame = system.frame;
       return compile_stages(nothing, stages, in, grid, exact, {});
     };
-    choice = choose_field_tiles({*field, axis, in, out, options, norms.norm, kModesShare * tolerance, interpolate});
+    if (field->has_kinks())
+      choice.candidate.reason = "the OTF has kinks over the field, where rims cut the pupil";
+    else
+      choice = choose_field_tiles({*field, axis, in, out, options, norms.norm, kModesShare * tolerance, interpolate});
     choice.candidate.cost_ms += mean_ms;
     choice.candidate.possible =
         choice.candidate.reason.empty() && choice.candidate.predicted.total() + total.predicted.total() <= tolerance;
@@ -163,7 +153,7 @@ Plan compile_over_field(const System<double>& given, const SampleGrid& in, const
         reachable < 1.0 ? reachable : std::numeric_limits<double>::infinity());
   }
   total.method = name_of(best->method);
-  total.predicted += best->predicted;
+  add(total.predicted, best->predicted);
   total.candidates.push_back(modes);
   total.candidates.push_back(choice.candidate);
   if (best->method == Method::field_tiles) {
@@ -179,7 +169,7 @@ Plan compile_over_field(const System<double>& given, const SampleGrid& in, const
     for (std::size_t k = 1; k <= report.modes; ++k) {
       compile_mode(k, (1.0 - kModesShare - kMeanShare) * field->factor(k)->largest / moduli);
       const PlanReport& mode = impl->modes.back().report();
-      total.predicted += mode.predicted;
+      add(total.predicted, mode.predicted);
       total.otf_bytes += mode.otf_bytes;
       total.run_bytes = std::max(total.run_bytes, mode.run_bytes);
     }

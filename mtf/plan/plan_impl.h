@@ -34,6 +34,9 @@ struct Plan::Impl {
   std::shared_ptr<const FieldModes> field;  ///< of an OTF that changes over the image,
   std::vector<Plan> modes;                  ///< whose modes these filter, the mean first
   std::shared_ptr<const FieldTiles> tiles;  ///< what comes after the mean where that is all
+  /// Of an OTF that changes from sample to sample: of each mode but the mean the weights of the samples, then the sum
+  /// of weights of each pixel.
+  std::shared_ptr<const std::vector<Image>> weights;
 };
 
 /// What compiling is besides its options: how it relates to a compilation before, and the part of the OTF that tiles
@@ -79,8 +82,42 @@ void require_spectrum_of(const SampleGrid& in, const PlanOptions& options);
 Plan compile_stages(const System<double>& system, std::span<const Stage> stages, const SampleGrid& in,
                     const SampleGrid& out, const PlanOptions& options, const Plan::Recompile& how);
 
+// How the tolerance is shared out over a field: modes that are left out, the mean OTF, the others.
+inline constexpr double kModesShare = 0.75, kMeanShare = 0.125;
+inline constexpr double kEnoughShare = 0.1;  ///< for modes alone
+
+inline bool is_over_field(const std::optional<Method>& method) {
+  return method == Method::field_modes || method == Method::field_tiles;
+}
+
+/// Adds `factor` times the parts of b.
+inline void add(PredictedError& a, const PredictedError& b, double factor = 1.0) {
+  for (const auto part : {&PredictedError::dropped, &PredictedError::table, &PredictedError::band, &PredictedError::cut,
+                          &PredictedError::wrap, &PredictedError::kernel, &PredictedError::modes, &PredictedError::flat,
+                          &PredictedError::arithmetic})
+    a.*part += factor * b.*part;
+}
+
 /// `system` is not isoplanatic; grids and system are valid.
 Plan compile_over_field(const System<double>& system, const SampleGrid& in, const SampleGrid& out,
                         const PlanOptions& options);
+
+/// The same of a system with entry_by_range() and options.range_m.
+Plan compile_over_range(const System<double>& system, const SampleGrid& in, const SampleGrid& out,
+                        const PlanOptions& options);
+
+/// An OTF that each sample of a scene has its own of, along a line of one number: `line` changes over the field with x,
+/// from where place = -1 to where it is 1; its optical axis is where the number has its mean.
+struct SamplesOtf {
+  System<double> line;
+  std::vector<double> place{};  ///< of each sample
+};
+/// `mean`, in whose presample component `entry` a field goes from `first` to `last`.
+System<double> along_line(System<double> mean, std::size_t entry, std::string_view field, double first, double last);
+
+/// Each sample spreads by its own OTF, and each pixel is the mean with the weights that reach it:
+/// out(x) = sum over u of h(x - u; place(u)) s(u) / sum over u of h(x - u; place(u)).
+Plan compile_over_samples(const SamplesOtf& otf, const SampleGrid& in, const SampleGrid& out,
+                          const PlanOptions& options);
 
 }  // namespace mtf

@@ -121,13 +121,17 @@ SensorPlan compile_sensor(const System<double>& system, const SampleGrid& scene,
     return in_share(after, part,
                     [&](const PlanOptions& own) { return compile_post(finer_system, detector, stages, own); });
   };
+  const auto sampled = [&](const PlanOptions& own) { return compile(system, scene, detector, own); };
+  // Of defocus by range an image is a mean over the weights that reach each pixel, which are few here and there.
+  if (options.range_m && filters && after.scene)
+    if (const auto ranges = in_share(options, share, sampled).report().field.ranges)
+      after.scene->canvas_norm /= ranges->least_weight;
   constexpr std::array both{Stage::readout, Stage::postsample};
   std::optional<Plan> post, readout;
   if (filters) post = filter(std::span(both).subspan(separate ? 1 : 0), share);
   if (separate) readout = filter(std::span(both).first(1), share / largest_gain(post));
   const double first = share / (largest_gain(post) * largest_gain(readout));
-  const Plan presample =
-      in_share(options, first, [&](const PlanOptions& own) { return compile(system, scene, detector, own); });
+  const Plan presample = in_share(options, first, sampled);
   return {presample, readout, post, predict(presample, readout, post), system, options, samples_a_pitch};
 }
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What a sensor file says of everything but the OTF: one value type for each of its tables, in the order of the chain.
-// A stage whose table is missing is left out. The signal of a thermal detector is in volts: its tables have volts where
-// those of a photon detector have electrons, and hold them in the same members, whose names end in _e.
+// What a sensor file says of everything but the OTF: one value type for each of its tables. Stages run in the order of
+// their rows in chain/steps; one whose table is missing is left out. The signal of a thermal detector is in volts: its
+// tables have volts where those of a photon detector have electrons, in the same members, whose names end in _e.
 
 #include <optional>
 #include <vector>
@@ -241,7 +241,7 @@ struct SensorTable {
   std::optional<T> SensorSettings::*values;
 };
 
-/// In the order in which the physics takes them. A table is its member and its row in tables().
+/// A table is its member and its row in tables().
 struct SensorSettings {
   std::optional<FrameSettings> frame;
   std::optional<SceneSettings> scene;

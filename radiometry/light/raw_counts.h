@@ -4,9 +4,14 @@
 // Counts of radiometric thermal cameras, which store five constants with each image:
 //   S + O = R1 / (R2 (exp(B / T) - F)),   T = B / ln(R1 / (R2 (S + O)) + F)
 // S is the count, T the temperature in K of a blackbody that gives it; S + O is proportional to the radiance in the
-// camera's band. A surface that reflects its surroundings has S + O = e (S + O of it) + (1 - e)(S + O of what is
-// reflected), which is solved for its temperature. The constants include the camera's optics; air between is left out.
-// (F is 1 where the band is narrow: Planck's law with B = c2 / wavelength.)
+// camera's band. With U(T) = R1 / (R2 (exp(B / T) - F)), of a surface of emissivity e before surroundings, behind air
+// of transmission t and a window of transmission w,
+//   S + O = w (t (e U(T) + (1 - e) U(T_reflected)) + (1 - t) U(T_air)) + (1 - w) U(T_window),
+// which is solved for T. The constants include the camera's optics. (F is 1 where the band is narrow: Planck's law with
+// B = c2 / wavelength.) Source: FLIR Systems, ThermoVision SDK user's manual, "the measurement formula"; its air is
+//   t = X exp(-sqrt(d) (a1 + b1 sqrt(h))) + (1 - X) exp(-sqrt(d) (a2 + b2 sqrt(h))),
+//   h = humidity exp(1.5587 + 6.939e-2 c - 2.7816e-4 c^2 + 6.8455e-7 c^3), c the air temperature in degrees Celsius
+// with the distance d in m and constants a, b, X that the camera stores.
 
 #include "mtf/image.h"
 #include "radiometry/fields.h"
@@ -33,15 +38,37 @@ struct CountCamera {
   }
 };
 
-/// What the thermometer assumes of the surface. emissivity in (0, 1].
-struct Reflection {
+/// What the thermometer assumes of the surface and of what lies before it. Emissivity and transmissions in (0, 1];
+/// temperatures of parts that count nothing are of no effect.
+struct Thermometry {
   double emissivity = 1.0;
-  double reflected_k = 293.15;  ///< apparent temperature of what is reflected; of no effect for emissivity 1
+  double reflected_k = 293.15;  ///< apparent temperature of what is reflected
+  double transmission = 1.0;    ///< of the air
+  double air_k = 293.15;
+  double window_transmission = 1.0;
+  double window_k = 293.15;
 };
+
+/// The air that a camera is told of, with its constants a, b and X.
+struct CountAir {
+  double distance_m = 0.0, air_k = 293.15, humidity = 0.5;
+  double alpha1 = 0.006569, alpha2 = 0.01262, beta1 = -0.002276, beta2 = -0.00667, x = 1.9;
+};
+/// NaN where the formula gives no transmission above 0, up to 1.
+double transmission_of(const CountAir& air);
+
+/// The temperature of the surface in K; NaN where there is none.
+double temperature_of(double count, const CountCamera& camera, const Thermometry& assumed);
+
+/// By how much that temperature changes with what is assumed: partial derivatives, K for a unit of each.
+struct CountSensitivity {
+  double emissivity = 0.0, reflected = 0.0, transmission = 0.0, air = 0.0;
+};
+CountSensitivity sensitivity_of(double count, const CountCamera& camera, const Thermometry& assumed);
 
 /// Counts become the temperature of the surface in K, in place. NaN stays NaN. Throws UsageError for constants out of
 /// bounds, and, before a pixel is changed, for counts without a temperature: how many, and the first one.
-void temperature_of_counts(mtf::ImageView<float> plane, const CountCamera& camera, const Reflection& reflection = {},
+void temperature_of_counts(mtf::ImageView<float> plane, const CountCamera& camera, const Thermometry& assumed = {},
                            int threads = 1);
 
 }  // namespace radiometry

@@ -50,6 +50,7 @@ struct Weather {
   std::array<std::vector<double>, kQuantities> values{};  ///< by WeatherQuantity, as long as time_s; empty: absent
   std::vector<std::size_t> line{};                        ///< of the source, by record; empty where there are no lines
   std::array<bool, kQuantities> at_stamp{};               ///< columns that hold at the stamp, whatever it stands for
+  double later_s = 0.0;  ///< by which the intervals of means lie later than `stamp` says, as where satellites look
 
   bool is_mean(std::size_t quantity) const { return stamp != Stamp::instant && !at_stamp[quantity]; }
   bool has(WeatherQuantity quantity) const { return !values[static_cast<std::size_t>(quantity)].empty(); }

@@ -70,12 +70,13 @@ struct Span {
   double begin_s, end_s;
 };
 
-Span span_of(const std::vector<double>& t, std::size_t i, double step, double most, Stamp stamp) {
+Span span_of(const std::vector<double>& t, std::size_t i, double step, double most, Stamp stamp, double later_s) {
   const double before = i > 0 && t[i] - t[i - 1] <= most ? t[i] - t[i - 1] : step;
   const double after = i + 1 < t.size() && t[i + 1] - t[i] <= most ? t[i + 1] - t[i] : step;
-  if (stamp == Stamp::begin) return {t[i], t[i] + after};
-  if (stamp == Stamp::middle) return {t[i] - 0.5 * before, t[i] + 0.5 * after};
-  if (stamp == Stamp::end) return {t[i] - before, t[i]};
+  const double at = t[i] + later_s;
+  if (stamp == Stamp::begin) return {at, at + after};
+  if (stamp == Stamp::middle) return {at - 0.5 * before, at + 0.5 * after};
+  if (stamp == Stamp::end) return {at - before, at};
   return {t[i], t[i]};
 }
 
@@ -121,7 +122,7 @@ Records records_of(const Weather& weather, bool means) {
         records.values[q].push_back(there ? weather.values[q][i] : kMissing);
   };
   for (std::size_t i = 0; i < t.size(); ++i) {
-    const Span span = span_of(t, i, records.step_s, most, means ? weather.stamp : Stamp::instant);
+    const Span span = span_of(t, i, records.step_s, most, means ? weather.stamp : Stamp::instant, weather.later_s);
     if (i > 0 && t[i] - t[i - 1] > most) {
       const double last = records.end_s.back(), middle = last + (span.begin_s - last) / 2.0;
       records.add(means ? last : middle, means ? span.begin_s : middle);

@@ -162,6 +162,66 @@ TEST_F(CharacterizeCommand, ClosesTheLoop) {
   expect_says(twice.out, {"[flicker] of the nominal is noise beside the components measured here"});
 }
 
+// Blinking pixels, and the lag of frames across a step from light to dark, none of which the nominal has: the twin's
+// frames after a step are the camera's own, and so are its blinking pixels.
+TEST_F(CharacterizeCommand, LagAndBlinkingAreInTheTwin) {
+  const std::string still = kSensor + "[blinking]\nfraction = 0.02\nexcess = \"300 e-\"\ndwell = 3\n";
+  const std::string step = "[[stack]]\nframes = \"step/f.*.png\"\nstep = \"2 ms\"\n";
+  simulate(still, "truth", 17, "nominal = \"nominal.toml\"\n[options]\nnonlinearity = 1\n" + step);
+  write_file(scratch / "nominal.toml", kSensor);
+  write_file(scratch / "step.csv",
+             "frame,parameter,value\n1,frame.integration_time,1 ms\n21,frame.integration_time,1 ns\n");
+  const auto frames_after_step = [&](const std::string& sensor, const std::string& folder) {
+    write_file(scratch / (folder + ".toml"), sensor);
+    const Result run = scratch.run("mkdir " + folder + " && mtf simulate " + folder + ".toml flat.exr -o '" + folder +
+                                   "/f.%02d.png' --schedule step.csv --frames 1:70 --quiet");
+    EXPECT_EQ(run.status, 0) << run.err;
+    std::vector<double> means;
+    for (int t = 21; t < 25; ++t) {
+      const mtf::Image frame =
+          mtf::io::read_image((scratch / (folder + "/f." + std::to_string(t) + ".png")).string()).planes.at(0).clone();
+      double sum = 0.0;
+      for (std::int64_t i = 0; i < frame.size(); ++i) sum += static_cast<double>(frame.data()[i]);
+      means.push_back(sum / static_cast<double>(frame.size()));
+    }
+    return means;
+  };
+  const std::string lagging = replaced(still, "pitch = \"15 um\"", "pitch = \"15 um\"\nframe_time = \"2 ms\"") +
+                              "[lag]\ntime_constant = \"1 ms\"\n";
+  const std::vector<double> own = frames_after_step(lagging, "step");
+  const Result found = scratch.run("mtf characterize truth_stacks.toml -o camera --format json");
+  ASSERT_EQ(found.status, 0) << found.err << found.out;
+  std::map<std::string, Json> all = numbers(found.out);
+  for (const auto& [name, truth] :
+       {std::pair{"lag_time_constant", 1e-3}, std::pair{"lag_share", std::exp(-2.0)}, std::pair{"read_noise", 3.0},
+        std::pair{"blinking_fraction", 0.02}, std::pair{"blinking_excess", 300.0}, std::pair{"blinking_dwell", 3.0},
+        std::pair{"electrons_per_count", 2.5}}) {
+    ASSERT_TRUE(all.contains(name)) << name << found.out;
+    ASSERT_EQ(all.at(name).at("verdict"), "determined") << name << all.at(name);
+    EXPECT_NEAR(all.at(name).at("value").get<double>(), truth, 4.0 * all.at(name).at("sd").get<double>()) << name;
+  }
+  EXPECT_EQ(Json::parse(found.out).at("warnings"), Json::array()) << found.out;
+  const std::string twin = read_file(scratch / "camera/sensor.toml");
+  expect_says(twin,
+              {"[lag]\ntime_constant = { value = ", "frame_time = \"0.002 s\"", "[blinking]\nfraction = { value = "});
+  EXPECT_EQ(scratch.run("mtf config check camera/sensor.toml").status, 0);
+  const std::vector<double> its = frames_after_step(replaced(twin, "seed = 1", "seed = 5"), "twin_step");
+  const double signal = own[0] - own[3], sd = all.at("lag_share").at("sd").get<double>() / std::exp(-2.0);
+  // Beside the error of what is kept that of the light, from the error of the gain, and of the array's mean offset.
+  for (std::size_t t = 0; t < 3; ++t)
+    EXPECT_NEAR(its[t] - its[3], own[t] - own[3], (5.0 * sd * static_cast<double>(t + 1) + 0.02) * signal) << t;
+  EXPECT_GT(signal, 50.0);
+
+  // Without a lag the nominal's goes.
+  write_file(scratch / "nominal.toml", lagging);
+  frames_after_step(kSensor, "none");
+  write_file(scratch / "none_stacks.toml", replaced(read_file(scratch / "truth_stacks.toml"), "step/f", "none/f"));
+  const Result none = scratch.run("mtf characterize none_stacks.toml -o none_camera --format json");
+  ASSERT_EQ(none.status, 0) << none.err << none.out;
+  EXPECT_EQ(numbers(none.out).at("lag_share").at("verdict"), "upper limit");
+  EXPECT_EQ(read_file(scratch / "none_camera/sensor.toml").find("[lag]"), std::string::npos);
+}
+
 // Without a nominal the file has placeholders, which are named; a response that is left out is found, files are
 // written.
 TEST_F(CharacterizeCommand, AMisfitWritesItsFilesAndSaysSo) {
@@ -496,7 +556,8 @@ TEST(CharacterizeCheck, SaysWhatTheStacksCanDetermine) {
   const Json json = Json::parse(check(text, " --format json").out);
   EXPECT_EQ(json.at("stacks").at(2).at("frames"), 5);
   for (const Json& one : json.at("numbers"))
-    EXPECT_EQ(one.at("possible").get<bool>(), one.at("name") != "dark current") << one.dump();
+    EXPECT_EQ(one.at("possible").get<bool>(), one.at("name") != "dark current" && one.at("name") != "lag")
+        << one.dump();
   const Result fewer = check(text + "[options]\nnonlinearity = 1\n");
   expect_says(fewer.out, {"3 usable levels of light", "4 are needed", "more exposures"});
   EXPECT_EQ(fewer.status, 2);

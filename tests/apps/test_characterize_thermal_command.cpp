@@ -115,6 +115,55 @@ class CharacterizeBlackbodies : public testing::Test {
   Scratch scratch;
 };
 
+// Hot, dead and blinking pixels and the lag, of frames and of the frames of the twin, whose counts are volts of their
+// own.
+TEST_F(CharacterizeBlackbodies, DefectsAndLagAreInTheTwin) {
+  const std::string still = kBolometer +
+                            "[defects]\nhot_fraction = 0.01\nhot = \"10 uV\"\ndead_fraction = 0.004\n"
+                            "[blinking]\nfraction = 0.01\nexcess = \"12 uV\"\ndwell = 3\n";
+  simulate(still, "truth");
+  write_file(scratch / "nominal.toml", kBolometer);
+  for (int t = 1; t <= 50; ++t) {
+    mtf::Image flat(kSide, kSide);
+    std::fill_n(flat.data(), flat.size(), t <= 12 ? 308.0F : 298.0F);
+    mtf::io::write_exr((scratch / ("scene." + std::to_string(1000 + t) + ".exr")).string(), {{"Y", flat.view()}}, {});
+  }
+  write_file(scratch / "lagging.toml", still + "[lag]\ntime_constant = \"12 ms\"\n");
+  const Result run = scratch.run("mkdir step && mtf simulate lagging.toml scene.%04d.exr -o 'step/f.%04d.png' --quiet");
+  ASSERT_EQ(run.status, 0) << run.err;
+  const auto stacks_of = [](const std::string& folder, const std::string& nominal) {
+    return replaced(stacks(folder, {298, 308}), "\"" + folder + ".toml\"", "\"" + nominal + "\"");
+  };
+  const Result found =
+      characterize(stacks_of("truth", "nominal.toml") + "[[stack]]\nframes = \"step/*.png\"\nstep = \"20 ms\"\n",
+                   "-o camera --format json");
+  ASSERT_EQ(found.status, 0) << found.err << found.out;
+  std::map<std::string, Json> first = numbers(found.out);
+  const double mk_per_uv = 1e4 / kSitf;
+  const std::map<std::string, double> truth{
+      {"hot_fraction", 0.01},      {"hot_excess", 10.0 * mk_per_uv},      {"dead_fraction", 0.004},
+      {"blinking_fraction", 0.01}, {"blinking_excess", 12.0 * mk_per_uv}, {"blinking_dwell", 3.0},
+      {"lag_time_constant", 0.012}};
+  for (const auto& [name, number] : truth) {
+    ASSERT_EQ(first.at(name).at("verdict"), "determined") << name << first.at(name);
+    EXPECT_NEAR(value(first.at(name)), number, 4.0 * sd(first.at(name))) << name;
+  }
+  const std::string twin = read_file(scratch / "camera/sensor.toml");
+  expect_says(twin,
+              {"[lag]\ntime_constant = { value = ", "hot_fraction = { value = ", "[blinking]\nfraction = { value = "});
+  expect_says(read_file(scratch / "camera/defects.csv"), {"temporal noise,"});
+  const std::string still_twin = twin.substr(0, twin.find("[lag]"));
+  simulate(replaced(still_twin, "seed = 1", "seed = 9"), "twin");
+  const Result again = characterize(stacks_of("twin", "twin.toml"));
+  ASSERT_EQ(again.status, 0) << again.err << again.out;
+  std::map<std::string, Json> second = numbers(again.out);
+  for (const char* const name : {"hot_fraction", "hot_excess", "dead_fraction", "blinking_fraction", "blinking_excess",
+                                 "blinking_dwell", "netd"})
+    EXPECT_NEAR(value(second.at(name)), value(first.at(name)),
+                4.0 * std::hypot(sd(second.at(name)), sd(first.at(name))))
+        << name;
+}
+
 TEST_F(CharacterizeBlackbodies, ClosesTheLoop) {
   simulate(kBolometer, "truth");
   const std::string reference = "[options]\nreference_temperature = \"298 K\"\n";

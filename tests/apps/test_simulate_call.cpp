@@ -110,6 +110,51 @@ TEST_F(SimulateCall, GivesTheCountsOfTheCommand) {
   EXPECT_EQ(Json::parse(to_json(result.report))["units"], "counts");
 }
 
+// The counts of a camera that states its constants, emissivity and what is reflected are the temperatures that they
+// stand for; the sensor file has the last word.
+TEST_F(SimulateCall, AFileSaysWhatItsCountsAre) {
+  const radiometry::CountCamera camera{.r1 = 14985.93, .b_k = 1398.1, .f = 1.0, .o = -6233.0, .r2 = 0.0112832};
+  SceneSource counts = in_memory(pattern(300.0, 3.0), mtf::io::Quantity::counts);
+  Image& plane = counts.image->planes.front();
+  for (std::int64_t i = 0; i < plane.size(); ++i)
+    plane.data()[i] =
+        static_cast<float>(0.9 * camera.count(static_cast<double>(plane.data()[i])) + 0.1 * camera.count(285.0));
+  counts.image->info.attributes = {{"camera_counts.R1", "14985.93"},  {"camera_counts.B", "1398.1"},
+                                   {"camera_counts.F", "1"},          {"camera_counts.O", "-6233"},
+                                   {"camera_counts.R2", "0.0112832"}, {"scene.emissivity", "0.9"},
+                                   {"scene.surroundings", "285 K"}};
+  const std::string camera_file = read_file(scratch / "camera.toml");
+  const auto with = [&](const std::string& scene, const std::string& more) {
+    write_file(scratch / "other.toml",
+               replaced(camera_file, "quantity = \"temperature\"\n", "quantity = \"temperature\"\n" + scene) + more);
+    return sensor("other.toml");
+  };
+  std::string said;
+  SimulateOptions options;
+  options.watch = [&](const SimulateEvent& event) {
+    if (event.kind == SimulateEvent::Kind::warning) said += event.text;
+    return true;
+  };
+  const auto image = [&](const mtf::io::SensorConfig& config, const SceneSource& source) {
+    said.clear();
+    return std::move(apps::simulate(config, apps::clone(source), options).images.at(0).planes.at(0));
+  };
+  const auto difference = [](const Image& a, const Image& b) {
+    double most = 0.0;
+    for (std::int64_t i = 0; i < a.size(); ++i)
+      most = std::max(most, std::abs(static_cast<double>(a.data()[i]) - static_cast<double>(b.data()[i])));
+    return most;
+  };
+  const Image expected = image(with("emissivity = 0.9\nsurroundings = \"285 K\"\n", ""), temperatures());
+  EXPECT_LE(difference(image(sensor("camera.toml"), counts), expected), 1.0);  // a float of counts may round otherwise
+  expect_says(said, {"constants of the camera in the file", "emissivity 0.9, reflected 285 K"});
+  const std::string constants = "[camera_counts]\nR1 = 14985.93\nB = 1398.1\nF = 1.0\nO = -6000\nR2 = 0.0112832\n";
+  EXPECT_GT(difference(image(with("", constants), counts), expected), 10.0);
+  expect_says(said, {"by [camera_counts] with emissivity 0.9"});
+  EXPECT_GT(difference(image(with("emissivity = 0.8\nsurroundings = \"285 K\"\n", ""), counts), expected), 10.0);
+  expect_says(said, {"emissivity 0.8, reflected 285 K"});
+}
+
 TEST_F(SimulateCall, GivesTheFramesOfTheCommandInTheirOrder) {
   ASSERT_EQ(scratch.run("mtf simulate sensor.toml scene.exr -o f.%d.exr --schedule schedule.csv --frames 1:4").status,
             0);

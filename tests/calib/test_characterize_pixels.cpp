@@ -12,6 +12,7 @@
 #include <random>
 
 #include "calib/characterize/characterize.h"
+#include "radiometry/stages/noise/blinking.h"
 #include "radiometry/stages/noise/fixed_pattern.h"
 #include "radiometry/stages/noise/frame_flicker.h"
 #include "radiometry/stages/noise/noise.h"
@@ -28,7 +29,9 @@ struct PixelCamera {
   double hot_share = 0.0, hot_e = 0.0, dead_share = 0.0;
   bool equally_hot = false;                    ///< all have hot_e, where it is their mean
   double octave_e = 0.0, lowest = 0.1 / 64.0;  ///< 1/f noise from frame to frame
-  double lasting = 0.0;                        ///< correlation of successive frames' read noise
+  double blinking_share = 0.0, blinking_e = 0.0, dwell = 6.0;
+  bool equally_blinking = false, seldom_high = false;  ///< all have blinking_e; they are high for a tenth of the time
+  double lasting = 0.0;                                ///< correlation of successive frames' read noise
 };
 
 /// 1/f noise of a pixel: two lines in each octave, whose frequency is somewhere in its half, with normal amplitudes.
@@ -54,7 +57,7 @@ std::vector<double> slow_series(const PixelCamera& camera, int frames, Random& r
 }
 
 struct PixelArray {
-  std::vector<double> response, offset_e, hot_e;
+  std::vector<double> response, offset_e, hot_e, blinking_e;
   double mean_response = 0.0, mean_offset_e = 0.0;  ///< of those that are not dead, of all
 };
 
@@ -71,6 +74,11 @@ PixelArray array_of(const PixelCamera& camera, Random& random) {
     a.hot_e.push_back(!hot                 ? 0.0
                       : camera.equally_hot ? camera.hot_e
                                            : std::exponential_distribution<double>(1.0 / camera.hot_e)(random));
+    const bool blinks = !dead && !hot && u > 1.0 - camera.blinking_share;
+    a.blinking_e.push_back(!blinks ? 0.0
+                           : camera.equally_blinking
+                               ? camera.blinking_e
+                               : std::exponential_distribution<double>(1.0 / camera.blinking_e)(random));
     alive += dead ? 0.0 : 1.0;
     a.mean_response += a.response.back();
     a.mean_offset_e += a.offset_e.back() / kPixels;
@@ -86,9 +94,16 @@ Stack frames_of(const PixelCamera& camera, const PixelArray& array, double light
   std::vector<std::vector<double>> slow;
   for (std::size_t i = 0; i < kPixels; ++i) slow.push_back(slow_series(camera, frames, random));
   mtf::Image frame(kPixelSide, kPixelSide);
+  std::vector<mtf::Image> kept;  // which a second reading takes
+  std::vector<char> high(kPixels);
+  std::uniform_real_distribution<double> uniform;
+  const double change = -0.5 * std::expm1(-2.0 / camera.dwell), part = camera.seldom_high ? 0.1 : 0.5;
   for (int t = 0; t < frames; ++t) {
     for (std::size_t i = 0; i < kPixels; ++i) {
-      const double mean = camera.rate * light * array.response[i] + array.hot_e[i];
+      if (t == 0 ? array.blinking_e[i] > 0.0 : array.blinking_e[i] > 0.0 && uniform(random) < 2.0 * change)
+        high[i] = uniform(random) < part ? 1 : 0;  // a coin at each of twice as many times
+      const double mean =
+          camera.rate * light * array.response[i] + array.hot_e[i] + (high[i] != 0 ? array.blinking_e[i] : 0.0);
       e[i] = mean > 0.0 ? std::poisson_distribution<int>(mean)(random) : 0.0;
     }
     for (std::int64_t y = 0, i = 0; y < kPixelSide; ++y)
@@ -106,8 +121,12 @@ Stack frames_of(const PixelCamera& camera, const PixelArray& array, double light
         frame.data()[i] = static_cast<float>(std::floor(camera.gain * out + camera.offset + 0.5));
       }
     sums.add(frame.view());
+    if (light == 0.0) kept.push_back(frame.clone());
   }
-  return {.name = light > 0.0 ? "light" : "dark", .light = light, .sums = summary_of(sums)};
+  Stack stack{.name = light > 0.0 ? "light" : "dark", .light = light, .sums = summary_of(sums)};
+  stack.sums.series = empty_series(stack.sums);
+  for (const mtf::Image& one : kept) stack.sums.series.add(one.view());
+  return stack;
 }
 
 Characterization found_of(const PixelCamera& camera, const PixelArray& array, Random& random, int dark_frames = 8) {
@@ -146,7 +165,7 @@ void expect_held(const PixelCamera& camera, int draws, int dark_frames, const Tr
   }
   EXPECT_LE(misfits, 2);
   for (const auto& [name, count] : held) {
-    testing::Test::RecordProperty(name, count);
+    testing::Test::RecordProperty(name + std::to_string(dark_frames), count);
     EXPECT_GE(count, draws * 95 / 100 - static_cast<int>(4.2 * std::sqrt(draws * 0.95 * 0.05))) << name;
     const double sd = std::sqrt(squares[name] - error[name] * error[name]);
     EXPECT_LT(std::abs(error[name]), (0.25 + 3.0 / std::sqrt(draws)) * sd) << name;
@@ -186,6 +205,57 @@ TEST(CharacterizePixels, WhatTheTwinHasNot) {
   EXPECT_TRUE(warned(found_of({}, odd, random), "4 pixels are beyond 4.5 sd"));
 }
 
+// Their excess is no part of offset, read noise, gain and patterns. Alone, and with hot ones and crosstalk.
+TEST(CharacterizePixels, BlinkingOnes) {
+  for (const auto& [camera, frames] :
+       {std::pair{PixelCamera{.blinking_share = 0.02, .blinking_e = 200.0}, 64},
+        std::pair{PixelCamera{.blinking_share = 0.02, .blinking_e = 400.0, .dwell = 4.0}, 24},
+        std::pair{PixelCamera{.side = 0.01,
+        .hot_share = 0.01,
+        .hot_e = 300.0,
+        .blinking_share = 0.02,
+        .blinking_e = 300.0,
+        .dwell = 2.0},
+                  32}}) {
+    SCOPED_TRACE(frames);
+    expect_held(camera, 120, frames, [&](const PixelArray&) {
+      std::map<std::string, double> truth{{"blinking_fraction", camera.blinking_share},
+                                          {"blinking_excess", camera.blinking_e},
+                                          {"blinking_dwell", camera.dwell}};
+      if (camera.hot_share > 0.0) truth.insert({{"hot_fraction", camera.hot_share}, {"hot_excess", camera.hot_e}});
+      return truth;
+    });
+  }
+}
+
+// Pixels that blink otherwise than the chain's are said, others are not taken for blinking ones.
+TEST(CharacterizePixels, OtherBlinkingOnes) {
+  Random random(9);
+  const auto found = [&](const PixelCamera& camera, int frames = 64) {
+    return found_of(camera, array_of(camera, random), random, frames);
+  };
+  for (int draw = 0; draw < 10; ++draw) {
+    const Characterization good = found({.hot_share = draw % 2 * 0.01, .hot_e = 500.0});
+    EXPECT_EQ(good.find("blinking_fraction")->verdict, Verdict::upper_limit);
+    EXPECT_EQ(good.find("blinking_fraction")->low95, 0.0);
+    EXPECT_NEAR(good.find("blinking_fraction")->high95, 3.689 / kPixels, 1e-6);  // no event: -ln 0.025
+    EXPECT_TRUE(good.warnings.empty()) << good.warnings.front();
+  }
+  const PixelCamera blinks{.blinking_share = 0.03, .blinking_e = 300.0};
+  EXPECT_TRUE(found(blinks).warnings.empty());
+  PixelCamera other = blinks;
+  other.equally_blinking = true;
+  EXPECT_TRUE(warned(found(other), "not exponentially"));
+  other = blinks;
+  other.seldom_high = true;
+  EXPECT_TRUE(warned(found(other), "% of the time"));
+  // A time in a state beyond the stack: hardly any changes, and hot ones otherwise.
+  other = blinks;
+  other.dwell = 1e5;
+  EXPECT_NE(found(other).find("blinking_fraction")->verdict, Verdict::determined);
+  EXPECT_NE(found(blinks, 4).find("blinking_fraction")->why.find("8 frames"), std::string::npos);
+}
+
 // Read noise and DSNU are those without it. A corner at 0.3, one at 0.01 cycles per frame, and none.
 TEST(CharacterizePixels, NoiseOneOverF) {
   for (const double octave_e : {2.0, 0.35}) {
@@ -215,41 +285,54 @@ TEST(CharacterizePixels, NoiseOneOverF) {
 TEST(CharacterizePixels, StagesOfTheChain) {
   const radiometry::Defects defects{.dead_fraction = 0.01, .hot_fraction = 0.02, .hot_e = 300.0};
   const radiometry::FlickerOctaves flicker{.octave_e = 1.5, .lowest_cy_frame = 0.1 / 64.0};
-  int held = 0;
+  const radiometry::Blinking blinking{.fraction = 0.02, .excess_e = 250.0, .dwell_frames = 5.0};
+  std::map<std::string, int> held;
   constexpr int kDraws = 20;
   for (std::uint64_t seed = 1; seed <= kDraws; ++seed) {
     const auto found_defects = radiometry::find_defects(kPixelSide, kPixelSide, defects, seed);
+    const auto found_blinking = radiometry::find_blinking(kPixelSide, kPixelSide, blinking, seed);
     mtf::Image offset(kPixelSide, kPixelSide);
     radiometry::offset_map(offset.view(), 3.0, seed);
     std::vector<Stack> stacks;
     std::uint32_t number = 0;
     for (const double light : {0.0, 1.0, 2.0, 4.0}) {
       StackStatistics sums(kPixelSide, kPixelSide, {.low = 0.0, .high = 16383.0});
+      std::vector<mtf::Image> frames;
       for (int t = 0; t < (light > 0.0 ? 8 : 64); ++t, ++number) {
         mtf::Image frame(kPixelSide, kPixelSide);
         std::fill_n(frame.data(), frame.size(), static_cast<float>(3000.0 * light));
         radiometry::apply_defects(frame.view(), found_defects);
+        radiometry::apply_blinking(frame.view(), found_blinking, blinking, {seed, number});
         radiometry::shot_noise(frame.view(), {seed, number});
         radiometry::add_map(frame.view(), offset.view());
         radiometry::add_gaussian(frame.view(), 3.0, {seed, number}, radiometry::Stream::read);
         radiometry::add_frame_flicker(frame.view(), flicker.noise(), {seed, number});
         for (std::int64_t i = 0; i < frame.size(); ++i) frame.data()[i] = std::floor(0.5F * frame.data()[i] + 100.7F);
         sums.add(frame.view());
+        frames.push_back(std::move(frame));
       }
       stacks.push_back({.name = "stack", .light = light, .sums = summary_of(sums)});
+      stacks.back().sums.series = empty_series(stacks.back().sums);
+      for (const mtf::Image& frame : frames) stacks.back().sums.series.add(frame.view());
     }
     const Characterization found = characterize(std::move(stacks), {});
     for (const auto& [name, truth] :
          {std::pair{"hot_fraction", 0.02}, std::pair{"hot_excess", 300.0}, std::pair{"dead_fraction", 0.01},
           std::pair{"flicker_octave", 1.5}, std::pair{"read_noise", 3.0}, std::pair{"rate", 3000.0},
-          std::pair{"dsnu", 3.0}}) {
+          std::pair{"dsnu", 3.0}, std::pair{"blinking_fraction", 0.02}, std::pair{"blinking_excess", 250.0},
+          std::pair{"blinking_dwell", 5.0}}) {
       const Finding* f = found.find(name);
       ASSERT_TRUE(f != nullptr && f->verdict == Verdict::determined) << name;
       EXPECT_LT(std::abs(f->value - truth), 4.5 * f->sd) << name;
-      held += f->low95 <= truth && truth <= f->high95 ? 1 : 0;
+      held[name] += f->low95 <= truth && truth <= f->high95 ? 1 : 0;
     }
   }
-  EXPECT_GE(held, 7 * kDraws * 95 / 100 - 11);  // 4.2 sd of 140 intervals
+  int all = 0;
+  for (const auto& [name, count] : held) {
+    testing::Test::RecordProperty(name, count);
+    all += count;
+  }
+  EXPECT_GE(all, 10 * kDraws * 95 / 100 - 13);  // 4.2 sd of 200 intervals
 }
 
 }  // namespace

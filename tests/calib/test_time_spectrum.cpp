@@ -56,7 +56,7 @@ TEST(TimeSpectrum, SumsToTheVariances) {
     const double of_means = s.squares.value[radiometry::kT] / 600.0;
     EXPECT_NEAR(sum_of(s.in_time.means, frames), times * of_means, 1e-4 * times * of_means);
     std::int64_t pixels = 0;
-    for (const auto& [k, count] : s.by_variance) pixels += count;
+    for (const auto& [k, count] : pixels_by_variance(s)) pixels += count;
     EXPECT_EQ(pixels, 600);
   }
 }

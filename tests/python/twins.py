@@ -121,12 +121,23 @@ class PhotonCamera:
 
 
 class FaultyCamera(PhotonCamera):
-    """The same with hot and dead pixels, and 1/f noise from frame to frame, none of which the nominal has."""
+    """The same with hot, dead and blinking pixels, and 1/f noise from frame to frame, none of which the nominal has."""
 
     def __init__(self, draw):
         super().__init__(draw)
-        self.sensor = self.sensor.replace({"defects.dead_fraction": 0.004, "defects.hot_fraction": 0.006, "defects.hot": "300 e-",
-                                           "frame_flicker.octave": "2 e-", "frame_flicker.lowest": 0.006})
+        self.sensor = mk.Sensor.parse(self.sensor.text + """
+[defects]
+dead_fraction = 0.004
+hot_fraction = 0.006
+hot = "300 e-"
+[frame_flicker]
+octave = "2 e-"
+lowest = 0.006
+[blinking]
+fraction = 0.008
+excess = "400 e-"
+dwell = 4
+""")
 
 
 class ThermalCamera:
@@ -199,18 +210,20 @@ def compared(camera, twin, seed):
 
 
 def faults(dark, bright):
-    """What both arrays of a faulty camera have alike, {name: (number, standard deviation)}: hot and dead pixels, the mean dark count, and
-    the power of the noise of the other pixels in differences of 1 and of 8 frames."""
-    mean, lit = dark.mean(0, dtype=float), bright.mean(0, dtype=float)
+    """What both arrays of a faulty camera have alike, {name: (number, standard deviation)}: hot, dead and noisy pixels, the mean dark count,
+    the power of the noise of the other pixels in differences of 1 and of 8 frames, and how often noisy ones pass their mean."""
+    mean, lit, variance = dark.mean(0, dtype=float), bright.mean(0, dtype=float), dark.var(0, dtype=float)
     above = mean - np.median(mean)
     far = 6.0 * 1.4826 * np.median(np.abs(above))
-    hot, dead = above > far, lit < 0.5 * np.median(lit)
-    excess = above[hot] - far
-    good = dark[:, np.abs(above) < far].astype(float)
+    noisy = variance > 10.0 * np.median(variance)
+    hot, dead = (above > far) & ~noisy, lit < 0.5 * np.median(lit)
+    excess, rms = above[hot] - far, np.sqrt(variance[noisy])
+    high = dark[:, noisy] > mean[noisy]
+    passes = (high[1:] != high[:-1]).mean(0)
+    good = dark[:, (np.abs(above) < far) & ~noisy].astype(float)
     steps = (good[0::2] - good[1::2]).ravel()
     halves = good[:FRAMES // 2].sum(0) - good[FRAMES // 2:].sum(0)
     power = {name: ((d ** 2).mean() / n, (d ** 2).mean() / n * np.sqrt(2.0 / d.size))
              for name, d, n in (("power of 1", steps, 2), ("power of 8", halves, FRAMES))}
-    return {"hot": (hot.sum(), np.sqrt(hot.sum())), "dead": (dead.sum(), np.sqrt(dead.sum())),
-            "excess": (excess.mean(), excess.mean() / np.sqrt(hot.sum())),
-            "dark": (mean.mean(), mean.std() / np.sqrt(mean.size)), **power}
+    means = {name: (x.mean(), x.std() / np.sqrt(x.size)) for name, x in (("excess", excess), ("rms", rms), ("passes", passes), ("dark", mean.ravel()))}
+    return {**{name: (x.sum(), np.sqrt(x.sum())) for name, x in (("hot", hot), ("dead", dead), ("noisy", noisy))}, **means, **power}

@@ -38,7 +38,7 @@ CountCamera camera_of(const Row& row) {
           .r2 = number(row, "r2")};
 }
 
-Reflection reflection_of(const Row& row) {
+Thermometry reflection_of(const Row& row) {
   return {.emissivity = number(row, "emissivity"), .reflected_k = number(row, "reflected_k")};
 }
 
@@ -76,6 +76,52 @@ TEST(RawCounts, reflection_is_taken_off) {
   for (const float t : test::samples(plane)) EXPECT_NEAR(t, 310.0F, 1e-3F);  // half a count of float
 }
 
+// The other way round: what a camera counts of a surface that reflects, behind air and a window, by the published sum.
+double count_of(double surface_k, const Thermometry& a) {
+  const auto u = [](double k) { return kCamera.r1 / (kCamera.r2 * (std::exp(kCamera.b_k / k) - kCamera.f)); };
+  const double before = a.emissivity * u(surface_k) + (1.0 - a.emissivity) * u(a.reflected_k);
+  const double behind = a.transmission * before + (1.0 - a.transmission) * u(a.air_k);
+  return a.window_transmission * behind + (1.0 - a.window_transmission) * u(a.window_k) - kCamera.o;
+}
+
+TEST(RawCounts, air_and_window_are_taken_off) {
+  const Thermometry seen{.emissivity = 0.8,
+                         .reflected_k = 280.0,
+                         .transmission = 0.9,
+                         .air_k = 285.0,
+                         .window_transmission = 0.85,
+                         .window_k = 300.0};
+  for (const double t : {250.0, 293.15, 310.0, 400.0}) {
+    EXPECT_NEAR(temperature_of(count_of(t, seen), kCamera, seen), t, 1e-10 * t);
+    mtf::Image plane = test::flat(2, 1, static_cast<float>(count_of(t, seen)));
+    temperature_of_counts(plane.view(), kCamera, seen);
+    EXPECT_NEAR(static_cast<double>(plane.at(1, 0)), t, 1e-3);  // half a count of float; the bar is 0.01 K
+  }
+  // Partial derivatives are slopes of the same formula: central differences, to their square.
+  const double count = count_of(310.0, seen);
+  const CountSensitivity s = sensitivity_of(count, kCamera, seen);
+  const auto slope = [&](double Thermometry::*field, double step) {
+    Thermometry more = seen, less = seen;
+    more.*field += step;
+    less.*field -= step;
+    return (temperature_of(count, kCamera, more) - temperature_of(count, kCamera, less)) / (2.0 * step);
+  };
+  EXPECT_NEAR(s.emissivity, slope(&Thermometry::emissivity, 1e-4), 1e-5 * std::abs(s.emissivity));
+  EXPECT_NEAR(s.reflected, slope(&Thermometry::reflected_k, 1e-2), 1e-5 * std::abs(s.reflected));
+  EXPECT_NEAR(s.transmission, slope(&Thermometry::transmission, 1e-4), 1e-5 * std::abs(s.transmission));
+  EXPECT_NEAR(s.air, slope(&Thermometry::air_k, 1e-2), 1e-5 * std::abs(s.air));
+  EXPECT_LT(s.emissivity, 0.0);  // what is darker has to be warmer
+}
+
+TEST(RawCounts, transmission_of_the_air) {
+  EXPECT_EQ(transmission_of({.distance_m = 0.0}), 1.0);
+  // By a calculator: 20 C and 50 % hold h = 8.563981, and 100 m give t = 1.9 exp(-10 (0.006569 - 0.002276 sqrt h))
+  //   - 0.9 exp(-10 (0.01262 - 0.00667 sqrt h)).
+  EXPECT_NEAR(transmission_of({.distance_m = 100.0}), 0.937454651437, 1e-9);
+  EXPECT_TRUE(std::isnan(transmission_of({.distance_m = -1.0})));
+  EXPECT_TRUE(std::isnan(transmission_of({.distance_m = 100.0, .x = 1e6})));
+}
+
 TEST(RawCounts, counts_without_a_temperature) {
   mtf::Image plane = test::flat(5, 4, 15000.0F);
   plane.at(4, 1) = std::nanf("");
@@ -98,13 +144,16 @@ TEST(RawCounts, counts_without_a_temperature) {
 
 TEST(RawCounts, refusals) {
   mtf::Image plane = test::flat(2, 2, 15000.0F);
-  const auto with = [&](const Reflection& reflection) { temperature_of_counts(plane.view(), kCamera, reflection); };
-  expect_refused({"emissivity of 0;"}, [&] { with({.emissivity = 0.0}); });
-  expect_refused({"emissivity of 1.1"}, [&] { with({.emissivity = 1.1}); });
-  expect_refused({"emissivity of nan"}, [&] { with({.emissivity = std::nan("")}); });
-  expect_refused({"-3 K"}, [&] { with({.emissivity = 0.9, .reflected_k = -3.0}); });
-  expect_refused({"nan K"}, [&] { with({.emissivity = 0.9, .reflected_k = std::nan("")}); });
+  const auto with = [&](const Thermometry& assumed) { temperature_of_counts(plane.view(), kCamera, assumed); };
+  expect_refused({"emissivity 0;"}, [&] { with({.emissivity = 0.0}); });
+  expect_refused({"emissivity 1.1"}, [&] { with({.emissivity = 1.1}); });
+  expect_refused({"emissivity nan"}, [&] { with({.emissivity = std::nan("")}); });
+  expect_refused({"-3,"}, [&] { with({.emissivity = 0.9, .reflected_k = -3.0}); });
+  expect_refused({"nan,"}, [&] { with({.emissivity = 0.9, .reflected_k = std::nan("")}); });
   with({.emissivity = 0.9, .reflected_k = 0.0});
+  expect_refused({"transmission of the air 0;"}, [&] { with({.transmission = 0.0}); });
+  expect_refused({"transmission of the window 2;"}, [&] { with({.window_transmission = 2.0}); });
+  expect_refused({"-1 and"}, [&] { with({.transmission = 0.9, .air_k = -1.0}); });
   expect_refused({"counts.R1", "counts.B"}, [&] { temperature_of_counts(plane.view(), CountCamera{}); });
 }
 

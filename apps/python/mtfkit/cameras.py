@@ -30,7 +30,8 @@ class Stack(results.ByValue):
 
     Light is stated by one of `photons` (mean number at a pixel in an exposure), `irradiance` (W/m^2), `relative` (any
     unit), for blackbodies by `temperature` or `radiance` (W m^-2 sr^-1 in the band of the nominal), else it is as the
-    `exposure`. `light=False` is a dark stack. All stacks state it in one way.
+    `exposure`. `light=False` is a dark stack. All stacks state it in one way. `step` is the time from frame to frame of
+    successive frames, between two of which the light steps to another level: they tell the lag, and state no light.
     """
 
     frames: npt.ArrayLike
@@ -41,10 +42,11 @@ class Stack(results.ByValue):
     relative: float | None = None
     temperature: quantities.Value | None = None
     radiance: float | None = None
+    step: quantities.Value | None = None
     __hash__ = None  # type: ignore[assignment]
 
     def _entry(self, name: str) -> str:
-        given = {key: getattr(self, key) for key in ("exposure", "photons", "irradiance", "relative", "temperature", "radiance")}
+        given = {key: getattr(self, key) for key in ("exposure", "photons", "irradiance", "relative", "temperature", "radiance", "step")}
         lines = [f"{key} = {quantities.toml(value, f'{name}.{key}')}" for key, value in given.items() if value is not None]
         return "\n".join(["[[stack]]", f'frames = "{name}"', *([] if self.light else ["light = false"]), *lines]) + "\n"
 

@@ -374,10 +374,7 @@ int run_bench_render(const BenchOptions& options, const Global& global) {
   OutputSet outputs = outputs_of(options, "render_bench", inputs);
   const PictureScene scene = read_picture_scene(
       file, {.temperatures = options.temperatures, .sensor_air = sensor.air, .sensor_file = options.scene});
-  render::Pose pose = options.position && options.look_at ? render::Pose{} : pose_of(file);
-  if (options.position) pose.position = *options.position;
-  if (options.look_at) pose.look_at = *options.look_at;
-  const render::Camera camera = picture_camera(sensor, pose, 2.0);
+  const render::Camera camera = picture_camera(sensor, pose_of(file, options.position, options.look_at), 2.0);
   require_above_ground(scene, camera.position);
   const Subject subject{scene, sensor.band, camera, global.threads};
 

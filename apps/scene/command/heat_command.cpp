@@ -18,6 +18,7 @@
 #include "apps/scene/command/heat_files.h"
 #include "apps/scene/heat/read_thermal_scene.h"
 #include "apps/scene/outputs/mesh_files.h"
+#include "apps/scene/render/sensor_picture.h"
 #include "apps/simulate/output_files.h"
 #include "apps/terminal/interrupt.h"
 #include "apps/terminal/output.h"
@@ -37,43 +38,25 @@ namespace fs = std::filesystem;
 namespace geometry = radiometry::scene;
 namespace heat = radiometry::heat;
 using namespace scene;
-using geometry::Vector;
 
 // A picture of facets in false colours, seen by the camera of the scene, for the eye.
 
 constexpr std::int64_t kWidth = 1280, kHeight = 960;
 constexpr double kHalfWidth = 0.364;  // tan 20 deg
 
-Vector unit(const Vector& v) {
-  const double size = geometry::length(v);
-  return {v[0] / size, v[1] / size, v[2] / size};
-}
-
-std::vector<geometry::Ray> camera_rays(const std::string& name, const CameraSection& camera) {
-  using geometry::operator-, geometry::operator+, geometry::operator*;
-  const Vector forward = camera.look_at_m - camera.position_m;
-  const Vector across = geometry::cross(forward, camera.up);
-  if (!(geometry::length(forward) > 0.0) || !(geometry::length(across) > 0.0))
-    throw mtf::UsageError(one_line(name) +
-                          ": [camera]: it looks at itself or along `up`; move look_at or choose another up");
-  const Vector ahead = unit(forward), right = unit(across), up = geometry::cross(right, ahead);
-  std::vector<geometry::Ray> rays;
-  for (std::int64_t y = 0; y < kHeight; ++y)
-    for (std::int64_t x = 0; x < kWidth; ++x) {
-      const double u = (2.0 * (static_cast<double>(x) + 0.5) / kWidth - 1.0) * kHalfWidth;
-      const double v = (1.0 - 2.0 * (static_cast<double>(y) + 0.5) / kHeight) * kHalfWidth * kHeight / kWidth;
-      rays.push_back({camera.position_m, ahead + u * right + v * up});
-    }
-  return rays;
-}
-
 /// What the pixels of a picture of 1280 x 960, 40 degrees wide, show; empty when none of them shows a facet. Throws
 /// UsageError for a camera whose view is not defined.
-std::vector<geometry::Hit> camera_hits(const HeatScene& scene, const CameraSection& camera) {
-  const std::vector<geometry::Ray> rays = camera_rays(scene.input.name, camera);
+std::vector<geometry::Hit> camera_hits(const HeatScene& scene, const SceneFile& file) {
+  constexpr double kPitch_um = 2e3 * kHalfWidth / kWidth;  // behind 1 mm of focal length
+  const radiometry::render::Camera camera =
+      radiometry::render::camera_of({1.0, kPitch_um, kPitch_um, kWidth, kHeight, 1.0}, pose_of(file));
+  std::vector<geometry::Ray> rays;
+  for (std::int64_t y = 0; y < kHeight; ++y)
+    for (std::int64_t x = 0; x < kWidth; ++x)
+      rays.push_back({camera.position, camera.direction(static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5)});
   std::vector<geometry::Hit> hits(rays.size());
   scene.rays.first_hits(rays, hits);
-  if (std::none_of(hits.begin(), hits.end(), [](const geometry::Hit& hit) { return geometry::hits(hit); })) return {};
+  if (std::ranges::none_of(hits, geometry::hits)) return {};
   return hits;
 }
 
@@ -111,8 +94,8 @@ void write_scene_picture(const std::string& path, std::span<const geometry::Hit>
 // sky and the numbers of materials are known to 10 % and less well, which is kelvins; a tolerance says nothing about
 // that.
 
-/// Mean temperatures of regions by area, [output][region], as a run has them.
-using RegionMeans = std::vector<std::vector<double>>;
+/// Temperatures of regions, [output][region], as a run has them.
+using RegionOutputs = std::vector<std::vector<RegionTemperature>>;
 
 /// How a change moves the mean temperature of a region.
 struct RegionChange {
@@ -177,23 +160,11 @@ std::vector<Change> changes() {
            }}};
 }
 
-std::vector<double> means_of(const HeatScene& scene, std::span<const double> facet_k) {
-  std::vector<double> sum(scene.input.regions.size(), 0.0), area(sum.size(), 0.0);
-  for (std::size_t f = 0; f < facet_k.size(); ++f) {
-    if (std::isnan(facet_k[f])) continue;  // not asked for
-    const double of_facet = scene.facets().facet[f].area_m2;
-    sum[scene.input.region_of[f]] += of_facet * facet_k[f];
-    area[scene.input.region_of[f]] += of_facet;
-  }
-  for (std::size_t r = 0; r < sum.size(); ++r) sum[r] /= area[r];
-  return sum;
-}
-
-std::vector<RegionChange> difference(const RegionMeans& changed, const RegionMeans& base) {
+std::vector<RegionChange> difference(const RegionOutputs& changed, const RegionOutputs& base) {
   std::vector<RegionChange> regions(base.front().size());
   for (std::size_t i = 0; i < base.size(); ++i)
     for (std::size_t r = 0; r < regions.size(); ++r) {
-      const double kelvin = changed[i][r] - base[i][r];
+      const double kelvin = changed[i][r].mean_k - base[i][r].mean_k;
       regions[r].mean_k += kelvin / static_cast<double>(base.size());
       if (!(std::abs(kelvin) <= std::abs(regions[r].largest_k))) regions[r].largest_k = kelvin;
     }
@@ -207,7 +178,7 @@ std::string signed_text(double kelvin) {
 /// Six runs: convection, long wave of the sky, solar absorptance, emissivity, conductivity, heat capacity. `base`: of
 /// the scene as it is. Changes below the promise of a run are rounding of its classes, steps and cells. Of tarp only
 /// the part of the wind is changed.
-std::vector<Sensitivity> sensitivities(HeatScene& scene, const HeatOptions& options, const RegionMeans& base,
+std::vector<Sensitivity> sensitivities(HeatScene& scene, const HeatOptions& options, const RegionOutputs& base,
                                        const std::function<void(const std::string&, double)>& progress) {
   std::vector<Sensitivity> all;
   for (const Change& change : changes()) {
@@ -217,14 +188,15 @@ std::vector<Sensitivity> sensitivities(HeatScene& scene, const HeatOptions& opti
     if (change.of_material)
       for (Material& material : scene.material) change.of_material(material);
     for (double& longwave : scene.surroundings.sky_longwave_w_m2) longwave += change.sky_w_m2;
-    RegionMeans means;
+    RegionOutputs regions;
     run_heat(
-        scene, options, [&](const HeatOutput& output) { means.push_back(means_of(scene, output.front_k)); },
+        scene, options,
+        [&](const HeatOutput& output) { regions.push_back(region_temperatures(scene, output.front_k)); },
         [](const std::string&, double) {});
     scene.material = materials;
     scene.surroundings.sky_longwave_w_m2 = sky;
-    if (means.size() < base.size()) break;  // interrupted
-    all.push_back({change.name, difference(means, base)});
+    if (regions.size() < base.size()) break;  // interrupted
+    all.push_back({change.name, difference(regions, base)});
   }
   return all;
 }
@@ -417,7 +389,7 @@ int run_heat(const HeatCommandOptions& options, const Global& global) {
                      heat::instant_text(file.time.start_s + earlier->outputs.times_s.back()));
   }
   std::vector<geometry::Hit> seen;
-  if (file.camera) seen = camera_hits(scene, *file.camera);
+  if (file.camera) seen = camera_hits(scene, file);
   if (options.seen)
     for (const geometry::Hit& hit : seen)
       if (hits(hit)) scene.seen[hit.facet] = true;
@@ -426,9 +398,7 @@ int run_heat(const HeatCommandOptions& options, const Global& global) {
   if (const auto mesh = mesh_around_camera(scene, seen))
     note(global, "warning: [camera] stands inside of a closed mesh, '" + one_line(*mesh) +
                      "': the picture shows the inner sides of its faces");
-  std::string text, sensitivity;
-  double promised_k = 0.0, spread_k = 0.0, left_out_k = 0.0;
-  std::optional<Verification> verified;
+  std::string sensitivity;
   double until_s = 0.0;
   HeatFiles files(outputs.in(""), options.out, file, scene);
   if (earlier) files.take_over(earlier->outputs);
@@ -451,10 +421,8 @@ int run_heat(const HeatCommandOptions& options, const Global& global) {
       [&](const std::string& step, double share) { progress.update(step, share); });
   for (std::size_t i = scene.warnings.size(); i < report.warnings.size(); ++i)
     note(global, "warning: " + report.warnings[i]);
-  promised_k = report.promised.total_k();
-  spread_k = report.view_spread.error_k.percentile_95;
-  verified = report.verified;
-  if (report.left_out) left_out_k = report.left_out->largest_k;
+  const double promised_k = report.promised.total_k(), spread_k = report.view_spread.error_k.percentile_95;
+  const std::optional<Verification>& verified = report.verified;
   if (report.checkpoint) {
     files.keep();
     write_state(*report.checkpoint);
@@ -469,22 +437,16 @@ int run_heat(const HeatCommandOptions& options, const Global& global) {
   if (options.ply) write_mesh_of(outputs.in("facets.ply"), scene, last, false);
   if (options.vtk) write_mesh_of(outputs.in("facets.vtk"), scene, last, true);
   if (options.sensitivity && until_s + 0.01 >= file.time.end_s - file.time.start_s) {
-    RegionMeans means;
-    for (const auto& regions : files.regions()) {
-      means.emplace_back();
-      for (const RegionTemperature& region : regions) means.back().push_back(region.mean_k);
-    }
     heat_options.keep = {};
     const std::vector<Sensitivity> all =
-        sensitivities(scene, heat_options, means,
+        sensitivities(scene, heat_options, files.regions(),
                       [&](const std::string& step, double share) { progress.update("sensitivity: " + step, share); });
     emit(outputs.in("sensitivity.csv"), sensitivity_csv(scene, all));
     sensitivity = "\n" + sensitivity_table(scene, all);
   }
   outputs.commit();
-  text = options.format == Format::json ? heat_json(file, scene, report, heat_options)
-                                        : summary_text(scene, report, files) + sensitivity;
-  print(text);
+  print(options.format == Format::json ? heat_json(file, scene, report, heat_options)
+                                       : summary_text(scene, report, files) + sensitivity);
   if (spread_k > heat_options.tolerance_k)
     note(global, "warning: what facets see differs from what their class sees by up to " + significant(spread_k, 2) +
                      " K (95 % of them), more than the tolerance; more --rays, or --every-facet, bring it down");
@@ -496,6 +458,7 @@ int run_heat(const HeatCommandOptions& options, const Global& global) {
   }
   // What is left out is no part of the promise: its standard error is stated beside it.
   constexpr double kStandardErrors = 4.0;
+  const double left_out_k = report.left_out ? report.left_out->largest_k : 0.0;
   if (verified &&
       verified->as_units.largest_k - verified->as_units.promised_k > promised_k + kStandardErrors * left_out_k) {
     complain("mtf: PROMISE BROKEN: promised " + significant(promised_k, 3) + " K, realised " +

@@ -311,15 +311,33 @@ std::string heat_json(const SceneFile& file, const HeatScene& scene, const HeatR
   return json_document(json);
 }
 
+std::vector<RegionTemperature> region_temperatures(const HeatScene& scene, std::span<const double> facet_k) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  std::vector<RegionTemperature> regions(scene.input.regions.size(), {kInfinity, 0.0, -kInfinity});
+  std::vector<double> area_m2(regions.size(), 0.0);
+  for (std::size_t f = 0; f < facet_k.size(); ++f) {
+    if (std::isnan(facet_k[f])) continue;  // not asked for
+    const double area = scene.facets().facet[f].area_m2;
+    RegionTemperature& region = regions[scene.input.region_of[f]];
+    region.least_k = std::min(region.least_k, facet_k[f]);
+    region.most_k = std::max(region.most_k, facet_k[f]);
+    region.mean_k += area * facet_k[f];
+    area_m2[scene.input.region_of[f]] += area;
+  }
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  for (std::size_t r = 0; r < regions.size(); ++r) {
+    regions[r].mean_k /= area_m2[r];
+    if (area_m2[r] == 0.0) regions[r] = {kUnknown, kUnknown, kUnknown};
+  }
+  return regions;
+}
+
 HeatFiles::HeatFiles(std::string folder, std::string kept, const SceneFile& file, const HeatScene& scene)
     : folder_(std::move(folder)),
       kept_(std::move(kept)),
       file_(file),
       scene_(scene),
-      region_area_m2_(file.regions.size(), 0.0) {
-  for (std::uint32_t f = 0; f < scene.facets().size(); ++f)
-    if (scene.is_seen(f)) region_area_m2_[scene.input.region_of[f]] += scene.facets().facet[f].area_m2;
-  front_ = std::make_unique<NpyFile>(at("temperatures.npy"), scene.facets().size());
+      front_(std::make_unique<NpyFile>(at("temperatures.npy"), scene.facets().size())) {
   for (std::uint32_t f = 0; f < scene.facets().size() && !back_; ++f)
     if (scene.is_sheet(f)) back_ = std::make_unique<NpyFile>(at("temperatures_back.npy"), scene.facets().size());
 }
@@ -343,22 +361,7 @@ std::string HeatFiles::instant(double time_s) const {
 void HeatFiles::append(const HeatOutput& output) {
   front_->append(std::vector<float>(output.front_k.begin(), output.front_k.end()));
   if (back_) back_->append(std::vector<float>(output.back_k.begin(), output.back_k.end()));
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  std::vector<RegionTemperature> regions(file_.regions.size(), {kInfinity, 0.0, -kInfinity});
-  for (std::size_t f = 0; f < output.front_k.size(); ++f) {
-    RegionTemperature& region = regions[scene_.input.region_of[f]];
-    const double kelvin = output.front_k[f], area = scene_.facets().facet[f].area_m2;
-    if (std::isnan(kelvin)) continue;  // not asked for
-    region.least_k = std::min(region.least_k, kelvin);
-    region.most_k = std::max(region.most_k, kelvin);
-    region.mean_k += area * kelvin;
-  }
-  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-  for (std::size_t r = 0; r < regions.size(); ++r) {
-    regions[r].mean_k /= region_area_m2_[r];
-    if (region_area_m2_[r] == 0.0) regions[r] = {kUnknown, kUnknown, kUnknown};
-  }
-  regions_.push_back(std::move(regions));
+  regions_.push_back(region_temperatures(scene_, output.front_k));
   times_s_.push_back(output.time_s);
 }
 

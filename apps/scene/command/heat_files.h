@@ -26,6 +26,9 @@ struct RegionTemperature {
   double least_k = 0.0, mean_k = 0.0, most_k = 0.0;
 };
 
+/// Of all regions, from temperatures of facets, of which NaN are not asked for; NaN for a region without any.
+std::vector<RegionTemperature> region_temperatures(const HeatScene& scene, std::span<const double> facet_k);
+
 /// Of the outputs that a run had when it was interrupted, or kept before it was killed.
 struct EarlierOutputs {
   std::vector<double> times_s;
@@ -60,7 +63,6 @@ class HeatFiles {
   std::string folder_, kept_;
   const SceneFile& file_;
   const HeatScene& scene_;
-  std::vector<double> region_area_m2_;
   std::unique_ptr<NpyFile> front_, back_;
   std::vector<double> times_s_;
   std::vector<std::vector<RegionTemperature>> regions_;

@@ -28,6 +28,7 @@
 #include "apps/text/message_words.h"
 #include "mtf/engines/statistics.h"
 #include "mtf/error.h"
+#include "mtf/field/sample_ranges.h"
 #include "mtf/image.h"
 #include "mtf/io/config/config.h"
 #include "mtf/work/stopwatch.h"
@@ -161,14 +162,6 @@ render::LayerChoice layers_of(const std::vector<std::string>& names) {
     choice.*(found->second) = true;
   }
   return choice;
-}
-
-render::Pose pose_of(const RenderCommandOptions& options, const SceneFile& file) {
-  render::Pose pose;
-  if (file.camera || !options.position || !options.look_at) pose = pose_of(file);
-  if (options.position) pose.position = *options.position;
-  if (options.look_at) pose.look_at = *options.look_at;
-  return pose;
 }
 
 std::vector<std::string> inputs_of(const RenderCommandOptions& options, const SceneFile& file,
@@ -310,8 +303,9 @@ std::string render_pictures(const RenderCommandOptions& options, const Global& g
     note(global, "note: " + words);
   std::vector<render::Camera> cameras;
   std::vector<render::RenderBand> bands;
+  const render::Pose pose = pose_of(file, options.position, options.look_at);
   for (const PictureSensor& sensor : sensors) {
-    cameras.push_back(picture_camera(sensor, pose_of(options, file), samples_per_pitch));
+    cameras.push_back(picture_camera(sensor, pose, samples_per_pitch));
     bands.push_back(sensor.band);
   }
   require_same_view(sensors, cameras);
@@ -319,6 +313,9 @@ std::string render_pictures(const RenderCommandOptions& options, const Global& g
                             .tolerance = options.tolerance,
                             .layers = layers_of(options.layers),
                             .threads = global.threads};
+  how.layers.range = how.layers.range || std::ranges::any_of(sensors, [](const PictureSensor& sensor) {
+                       return mtf::entry_by_range(sensor.config.system).has_value();
+                     });
   if (!options.from.empty()) how.points = 1;  // a value a sample
   PictureScene scene;
   render::RenderedFrame frame;

@@ -135,12 +135,15 @@ std::string reflected_warning(const PictureSensor& sensor, double error_k, int r
          significant(1e3 * sensor.band.noise_k, 2) + " mK";
 }
 
-radiometry::render::Pose pose_of(const SceneFile& file) {
-  if (!file.camera)
+radiometry::render::Pose pose_of(const SceneFile& file, const std::optional<radiometry::scene::Point>& position,
+                                 const std::optional<radiometry::scene::Point>& look_at) {
+  if (!file.camera && !(position && look_at))
     throw mtf::UsageError(one_line(file.file) +
                           ": [camera]: missing; write position = [\"14 m\", \"-12 m\", \"5 m\"] and look_at, or give "
                           "--position and --look-at");
-  return {.position = file.camera->position_m, .look_at = file.camera->look_at_m, .up = file.camera->up};
+  radiometry::render::Pose pose;
+  if (file.camera) pose = {file.camera->position_m, file.camera->look_at_m, file.camera->up};
+  return {position.value_or(pose.position), look_at.value_or(pose.look_at), pose.up};
 }
 
 void require_same_view(std::span<const PictureSensor> sensors, std::span<const radiometry::render::Camera> cameras) {

@@ -61,8 +61,10 @@ std::string sampling_warning(const PictureSensor& sensor, double samples_per_pit
 /// Empty, or that the light which surfaces reflect errs by more than the noise of the sensor.
 std::string reflected_warning(const PictureSensor& sensor, double error_k, int rays);
 
-/// The pose that [camera] of a scene file states. Throws UsageError where it has none.
-radiometry::render::Pose pose_of(const SceneFile& file);
+/// The pose of [camera] of a scene file, with that of options in its place. Throws UsageError where neither states one.
+radiometry::render::Pose pose_of(const SceneFile& file,
+                                 const std::optional<radiometry::scene::Point>& position = std::nullopt,
+                                 const std::optional<radiometry::scene::Point>& look_at = std::nullopt);
 
 /// Throws UsageError where sensors of one picture differ in their fields of view or samples, with both in numbers.
 void require_same_view(std::span<const PictureSensor> sensors, std::span<const radiometry::render::Camera> cameras);

@@ -152,7 +152,7 @@ struct WeatherSection {
     using radiometry::heat::kDay_s;
     using W = WeatherSection;
     return std::tuple{
-        optional(&W::file, "file", "\"weather.csv\"", "CSV, EPW, TMY3 or SURFRAD"),
+        optional(&W::file, "file", "\"weather.csv\"", "CSV, EPW, TMY2, TMY3, SAM CSV (NSRDB), SURFRAD or PVGIS TMY"),
         word(&W::stamp, "stamp", radiometry::heat::kStampNames),
         word(&W::repeat, "repeat", radiometry::heat::kRepeatNames),
         number(&W::longest_bridge_s, "bridge", "s", 0.0, kDay_s, "\"1 h\"", "longest gap that a straight line closes"),

@@ -5,8 +5,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
+#include "apps/scene/weather/weather_records.h"
 #include "mtf/error.h"
 #include "mtf/io/csv/csv_cells.h"
 #include "mtf/io/csv/csv_numbers.h"
@@ -24,118 +24,6 @@ using radiometry::heat::Stamp;
 using radiometry::heat::Weather;
 using radiometry::heat::WeatherQuantity;
 using enum radiometry::heat::WeatherQuantity;
-
-constexpr std::array<std::string_view, 4> kFormatNames{"CSV", "EPW", "TMY3", "SURFRAD"};
-
-/// A line of text with its number, and its cells as numbers; throws UsageError with file, line and column.
-class RecordCells {
- public:
-  RecordCells(const std::string& source, std::size_t line, const std::vector<std::string_view>& cells)
-      : source_(source), line_(line), cells_(cells) {}
-
-  [[noreturn]] void fail(const std::string& text) const { throw mtf::UsageError(error_at(source_, line_) + text); }
-  std::string_view text(std::size_t i) const { return cells_[i]; }
-  /// Of a cell that holds a number.
-  double number(std::size_t i, std::string_view name) const {
-    const auto value = mtf::io::cell_number(cells_[i]);
-    if (!value || !std::isfinite(*value))
-      fail(std::string(name) + " \"" + mtf::printable(cells_[i], 40) + "\" is no number");
-    return *value;
-  }
-  int whole(std::size_t i, std::string_view name) const {
-    const double value = number(i, name);
-    if (value != std::round(value) || std::abs(value) > 1e6)
-      fail(std::string(name) + " \"" + mtf::printable(cells_[i], 40) + "\" is no whole number");
-    return static_cast<int>(value);
-  }
-  /// NaN for a value at or beyond the format's mark of missing values; `mark` may be negative (at or below it then).
-  double value(std::size_t i, std::string_view name, double mark) const {
-    const double value = number(i, name);
-    const bool missing = mark > 0.0 ? value >= mark : value <= mark;
-    return missing ? std::nan("") : value;
-  }
-
- private:
-  const std::string& source_;
-  std::size_t line_;
-  const std::vector<std::string_view>& cells_;
-};
-
-/// The end of a record in local standard time.
-struct HourStamp {
-  int year = 0, month = 0, day = 0;
-  double seconds = 0.0;  ///< of the day
-};
-
-/// Gives the records their times in UTC and puts them, checked, into `file`. Where their years differ they are of a
-/// typical year and become those of `year`; the 29th of February is left out, with a warning, where that one has none.
-void finish_hours(Weather&& records, const std::vector<HourStamp>& stamps, double zone_h, int year, WeatherFile& file) {
-  if (stamps.empty()) throw mtf::UsageError(records.source + ": error: the file has no records");
-  const bool typical = std::ranges::any_of(stamps, [&](const HourStamp& s) { return s.year != stamps.front().year; });
-  const auto date_of = [&](const HourStamp& s) { return CalendarDate{typical ? year : s.year, s.month, s.day}; };
-  for (std::size_t i = stamps.size(); i-- > 0;) {
-    if (radiometry::heat::is_date(date_of(stamps[i]))) continue;
-    if (!typical)
-      throw mtf::UsageError(error_at(records.source, records.line[i]) + "the year " + std::to_string(stamps[i].year) +
-                            " has no such day");
-    records.line[i] = 0;  // to be left out
-  }
-  Weather& weather = file.weather;
-  weather = {
-      .source = records.source, .stamp = records.stamp, .time_s = {}, .values = {}, .at_stamp = records.at_stamp};
-  for (std::size_t i = 0; i < stamps.size(); ++i) {
-    if (records.line[i] == 0) continue;
-    weather.time_s.push_back(radiometry::heat::instant_of(date_of(stamps[i]), stamps[i].seconds - 3600.0 * zone_h));
-    weather.line.push_back(records.line[i]);
-    for (std::size_t q = 0; q < radiometry::heat::kQuantities; ++q)
-      if (!records.values[q].empty()) weather.values[q].push_back(records.values[q][i]);
-  }
-  if (weather.line.size() < stamps.size())
-    file.warnings.push_back(records.source + ": warning: the records of 29 February are left out, as " +
-                            std::to_string(year) + " has no such day");
-  check_weather(weather);
-}
-
-/// What the stamps of means stand for: what the format states, unless another stamp is asked for, which is noted.
-Stamp stamp_of(const WeatherRequest& request, Stamp stated, WeatherFile& file, const std::string& source) {
-  if (!request.stamp || *request.stamp == stated) return stated;
-  file.warnings.push_back(source + ": warning: the stamps of " + std::string(format_name(file.format)) + " are the " +
-                          std::string(stamp_name(stated)) + " of the interval; stamp = \"" +
-                          std::string(stamp_name(*request.stamp)) + "\" is taken, as asked for");
-  return *request.stamp;
-}
-
-/// What the published formats of hours say of temperature, humidity, wind, pressure and clouds: they hold at the time
-/// indicated, where sunlight is the sum of the record before it.
-void set_at_stamp(Weather& weather) {
-  for (const auto quantity : {air_temperature, vapour_pressure, pressure, wind_speed, cloud_cover})
-    weather.at_stamp[static_cast<std::size_t>(quantity)] = true;
-}
-
-/// Latitude and longitude in degrees, altitude in m, checked; throws UsageError with the line.
-Place place_of_degrees(double latitude_deg, double longitude_deg, double altitude_m, const std::string& source,
-                       std::size_t line) {
-  if (!(std::abs(latitude_deg) <= 90.0 && std::abs(longitude_deg) <= 360.0 && altitude_m >= -1000.0 &&
-        altitude_m <= 1e4))
-    throw mtf::UsageError(error_at(source, line) + "the station is not on the earth");
-  constexpr double degree = std::numbers::pi / 180.0;
-  return {latitude_deg * degree, longitude_deg * degree, altitude_m};
-}
-
-/// The offset from UTC of local standard time.
-double zone_h_of(const RecordCells& record, std::size_t cell) {
-  const double zone_h = record.number(cell, "time zone");
-  if (!(std::abs(zone_h) <= 14.0)) record.fail("the time zone is outside of -14 ... 14 h");
-  return zone_h;
-}
-
-/// The vapour pressure of a record whose temperature is there.
-void add_humidity(const RecordCells& record, double percent, Weather& weather) {
-  const double humidity = percent / 100.0;
-  if (humidity < 0.0 || humidity > 1.1) record.fail("the relative humidity is outside of 0 ... 110 %");
-  weather[vapour_pressure].push_back(humidity *
-                                     radiometry::heat::saturation_pressure_pa(weather[air_temperature].back()));
-}
 
 // EPW, EnergyPlus weather (Auxiliary Programs, "EnergyPlus Weather File (EPW) Data Dictionary"): eight header lines, of
 // which LOCATION has the place and the zone, then one line a record with 35 cells. Hours count from 1 and end at their
@@ -380,24 +268,152 @@ WeatherFile parse_surfrad(std::string_view text, const std::string& source, cons
   return file;
 }
 
-WeatherFormat format_of(std::string_view text) {
-  text = mtf::io::without_mark(text);
-  const std::string_view first = mtf::io::take_text_line(text), second = mtf::io::take_text_line(text);
-  if (first.starts_with("LOCATION,")) return WeatherFormat::epw;
-  if (second.starts_with("Date (MM/DD/YYYY),")) return WeatherFormat::tmy3;
-  const std::size_t version = second.find("version");
-  const bool surfrad =
-      version != std::string_view::npos && second.substr(0, version).find(" m ") != std::string_view::npos;
-  return surfrad && second.find_first_of(",;#") == std::string_view::npos ? WeatherFormat::surfrad : WeatherFormat::csv;
+// TMY2 (Marion and Urban, User's Manual for TMY2s, NREL (1995)): a header line with station, zone and place, then 142
+// characters an hour, cells by their position, in local standard time (1 ... 24). Sunlight is that of the 60 minutes
+// that end at the hour; all else holds at the hour. Missing values are nines.
+
+constexpr std::size_t kTmy2Characters = 142;
+
+struct Tmy2Column {
+  WeatherQuantity quantity;
+  std::size_t first, characters;  ///< counted from 0
+  double factor, offset;
+};
+constexpr std::array kTmy2Columns{Tmy2Column{global_horizontal, 17, 4, 1.0, 0.0},
+                                  Tmy2Column{direct_normal, 23, 4, 1.0, 0.0},
+                                  Tmy2Column{diffuse_horizontal, 29, 4, 1.0, 0.0},
+                                  Tmy2Column{cloud_cover, 63, 2, 0.1, 0.0},
+                                  Tmy2Column{air_temperature, 67, 4, 0.1, mtf::kZeroCelsius_k},
+                                  Tmy2Column{pressure, 84, 4, 100.0, 0.0},
+                                  Tmy2Column{wind_speed, 95, 3, 0.1, 0.0}};
+constexpr std::size_t kTmy2Humidity = 79;
+
+/// Whether a line is the header of TMY2: the zone, N or S with degrees and minutes, E or W with the same, the altitude.
+bool starts_as_tmy2(std::string_view line) {
+  return line.size() >= 57 && line.size() < 80 && line[0] == ' ' && (line[37] == 'N' || line[37] == 'S') &&
+         (line[45] == 'E' || line[45] == 'W') && line.find(',') == std::string_view::npos;
 }
+
+WeatherFile parse_tmy2(std::string_view text, const std::string& source, const WeatherRequest& request) {
+  WeatherFile file;
+  file.format = WeatherFormat::tmy2;
+  const std::string_view head = mtf::io::take_text_line(text);
+  std::vector<std::string_view> cells;
+  for (const auto& [at, characters] :
+       {std::pair{33, 3}, {39, 2}, {42, 2}, {47, 3}, {51, 2}, {55, 4}})  // zone, latitude, longitude, altitude
+    cells.push_back(mtf::io::trimmed_cell(head.substr(static_cast<std::size_t>(at), characters)));
+  const RecordCells station(source, 1, cells);
+  const double zone_h = zone_h_of(station, 0);
+  const auto degrees = [&](std::size_t cell, bool negative) {
+    const double value = station.number(cell, "degrees") + station.number(cell + 1, "minutes") / 60.0;
+    return negative ? -value : value;
+  };
+  file.place = place_of_degrees(degrees(1, head[37] == 'S'), degrees(3, head[45] == 'W'),
+                                station.number(5, "elevation"), source, 1);
+
+  Weather all{.source = source, .stamp = stamp_of(request, Stamp::end, file, source), .time_s = {}, .values = {}};
+  set_at_stamp(all);
+  std::vector<HourStamp> stamps;
+  for (std::size_t line = 2; !text.empty(); ++line) {
+    const std::string_view row = mtf::io::take_text_line(text);
+    if (mtf::io::trimmed_cell(row).empty()) continue;
+    const std::size_t size = row.ends_with('\r') ? row.size() - 1 : row.size();
+    cells.clear();
+    const auto add = [&](std::size_t first, std::size_t characters) {
+      if (size == kTmy2Characters) cells.push_back(mtf::io::trimmed_cell(row.substr(first, characters)));
+    };
+    for (std::size_t i = 0; i < 4; ++i) add(1 + 2 * i, 2);  // year, month, day, hour
+    for (const Tmy2Column& column : kTmy2Columns) add(column.first, column.characters);
+    add(kTmy2Humidity, 3);
+    const RecordCells record(source, line, cells);
+    if (size != kTmy2Characters)
+      record.fail(std::to_string(size) + " characters, " + std::to_string(kTmy2Characters) + " are needed");
+    const HourStamp stamp{1900 + record.whole(0, "year"), record.whole(1, "month"), record.whole(2, "day"),
+                          3600.0 * record.whole(3, "hour")};
+    // Year 2000 has every day that any year has.
+    if (!radiometry::heat::is_date({2000, stamp.month, stamp.day}) || stamp.seconds < 3600.0 || stamp.seconds > 86400.0)
+      record.fail("no such date or hour; hours are from 1 to 24");
+    stamps.push_back(stamp);
+    all.line.push_back(line);
+    const auto value = [&](std::size_t cell, std::string_view name) {
+      const bool missing = record.text(cell).find_first_not_of('9') == std::string_view::npos;
+      return missing ? std::numeric_limits<double>::quiet_NaN() : record.number(cell, name);
+    };
+    for (std::size_t i = 0; i < kTmy2Columns.size(); ++i) {
+      const Tmy2Column& column = kTmy2Columns[i];
+      all[column.quantity].push_back(value(4 + i, quantity_name(column.quantity)) * column.factor + column.offset);
+    }
+    add_humidity(record, value(4 + kTmy2Columns.size(), "relative humidity"), all);
+  }
+  finish_hours(std::move(all), stamps, zone_h, request.year, file);
+  return file;
+}
+
+/// The first lines of a file, by which its format is known.
+struct FirstLines {
+  std::string_view first{}, second{}, row{};  ///< the row is the first one that is no comment
+};
+
+struct WeatherReader {
+  std::string_view name, known_by;
+  bool (*starts)(const FirstLines& lines);
+  WeatherFile (*parse)(std::string_view text, const std::string& source, const WeatherRequest& request);
+};
+
+bool starts_as_surfrad(const FirstLines& lines) {
+  const std::size_t version = lines.second.find("version");
+  return version != std::string_view::npos && lines.second.substr(0, version).find(" m ") != std::string_view::npos &&
+         lines.second.find_first_of(",;#") == std::string_view::npos;
+}
+
+bool starts_as_sam(const FirstLines& lines) {
+  const std::string labels = "," + mtf::lower_case(lines.first);
+  return labels.find(",lat") != std::string::npos && labels.find(",lon") != std::string::npos;
+}
+
+/// By WeatherFormat.
+constexpr std::array kWeatherReaders{
+    WeatherReader{"CSV", "a first column that has to be time, as in time,air_temperature (degC)",
+                  [](const FirstLines& lines) {
+                    return lines.row.empty() || mtf::io::trimmed_cell(lines.row).starts_with("time");
+                  },
+                  parse_weather_csv},
+    WeatherReader{"EPW", "LOCATION, at the start",
+                  [](const FirstLines& lines) { return lines.first.starts_with("LOCATION,"); }, parse_epw},
+    WeatherReader{"TMY2", "a header of fixed columns: station, zone, N and W with degrees and minutes",
+                  [](const FirstLines& lines) { return starts_as_tmy2(lines.first); }, parse_tmy2},
+    WeatherReader{"TMY3", "Date (MM/DD/YYYY) in the second line",
+                  [](const FirstLines& lines) { return lines.second.starts_with("Date (MM/DD/YYYY),"); }, parse_tmy3},
+    WeatherReader{"SURFRAD", "the place and its version in the second line", starts_as_surfrad, parse_surfrad},
+    WeatherReader{"SAM CSV (NSRDB)", "the labels Latitude and Longitude in the first line", starts_as_sam,
+                  parse_sam_csv},
+    WeatherReader{"PVGIS TMY", "Latitude (decimal degrees) or time(UTC) at the start",
+                  [](const FirstLines& lines) {
+                    return lines.first.starts_with("Latitude (decimal") || lines.first.starts_with("time(UTC)");
+                  },
+                  parse_pvgis}};
 
 }  // namespace
 
-std::string_view format_name(WeatherFormat format) { return kFormatNames[static_cast<std::size_t>(format)]; }
+std::string_view format_name(WeatherFormat format) { return kWeatherReaders[static_cast<std::size_t>(format)].name; }
 
 WeatherFile parse_weather(std::string_view text, const std::string& source, const WeatherRequest& request) {
-  constexpr std::array readers{parse_weather_csv, parse_epw, parse_tmy3, parse_surfrad};
-  return readers[static_cast<std::size_t>(format_of(text))](text, source, request);
+  std::string_view rest = mtf::io::without_mark(text);
+  FirstLines lines{.first = mtf::io::take_text_line(rest)};
+  lines.row = lines.first;
+  for (std::string_view after = rest; mtf::io::is_comment(lines.row) && !after.empty();)
+    lines.row = mtf::io::take_text_line(after);
+  if (mtf::io::is_comment(lines.row)) lines.row = {};
+  lines.second = mtf::io::take_text_line(rest);
+  // What names its format comes before our own CSV, of which the first word alone is known.
+  for (auto reader = kWeatherReaders.rbegin(); reader != kWeatherReaders.rend(); ++reader)
+    if (reader->starts(lines)) return reader->parse(text, source, request);
+  throw mtf::UsageError(error_at(source, 1) + "none of the formats of weather that are read: " +
+                        mtf::joined(kWeatherReaders,
+                                    [](const WeatherReader& reader) {
+                                      return std::string(reader.name) + " (" + std::string(reader.known_by) + ")";
+                                    }) +
+                        "; convert the file to one of them");
 }
 
 WeatherFile read_weather(const std::string& path, const WeatherRequest& request) {

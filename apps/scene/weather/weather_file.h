@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Weather files: our own CSV (below), EnergyPlus' EPW, NREL's TMY3 and NOAA's SURFRAD. What a file is is seen
-// from its text, not from its name. Every reader gives SI values with times in UTC and the place that the file states;
-// wrong values are refused by check_weather (radiometry/weather/weather.h) with file and line.
+// Weather files: our own CSV (below), EnergyPlus' EPW, NREL's TMY2, TMY3 and SAM CSV (NSRDB), NOAA's SURFRAD and the
+// typical year of PVGIS. What a file is is seen from its text, not from its name. Every reader gives SI values with
+// times in UTC and the place that the file states; wrong values are refused by check_weather
+// (radiometry/weather/weather.h) with file and line.
 
 #include <optional>
 #include <string>
@@ -17,8 +18,8 @@
 
 namespace apps::scene {
 
-enum class WeatherFormat { csv, epw, tmy3, surfrad };
-/// "CSV", "EPW", "TMY3", "SURFRAD"
+enum class WeatherFormat { csv, epw, tmy2, tmy3, surfrad, sam, pvgis };
+/// "CSV", "EPW", "TMY2", ...
 std::string_view format_name(WeatherFormat format);
 
 struct WeatherRequest {

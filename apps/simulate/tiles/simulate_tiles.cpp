@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/simulate/tiles/simulate_tiles.h"
 
-#include <malloc.h>
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -25,6 +24,7 @@
 #include "mtf/survey/bad_pixels.h"
 #include "mtf/tiles/tiles.h"
 #include "mtf/version.h"
+#include "mtf/work/heap.h"
 #include "radiometry/chain/chain_tiles.h"
 
 namespace apps {
@@ -297,14 +297,6 @@ void count_memory(const SensorRun& sensor, mtf::TileOptions& options) {
   options.held_bytes = map_bytes(chain.loaded.sensor);
 }
 
-// The C library keeps freed blocks of tiles for later ones of other sizes, beyond what the limit allows.
-void return_freed_memory() {
-#ifdef __GLIBC__
-  mallopt(M_MMAP_THRESHOLD, 256 << 10);
-  mallopt(M_TRIM_THRESHOLD, 1 << 20);
-#endif
-}
-
 using Planes = ChainOfTiles::Planes;
 
 /// The summary that makes the promise hardest to keep, of all channels.
@@ -433,7 +425,7 @@ std::vector<mtf::Image> open_scene(const mtf::io::SensorConfig& config, SceneSou
                                    const SimulateOptions& options, bool windows, TileScene& source, RunReport& report,
                                    RunWatch& watch) {
   if (windows) {
-    if (options.memory) return_freed_memory();
+    if (options.memory) mtf::set_heap({.returned_from = 256 << 10, .kept_at_end = 1 << 20});
     open_windows(options, config, file, source);
     return {};
   }

@@ -181,18 +181,26 @@ Complex<T> phase_integral(const std::vector<PupilArc<T>>& arcs, const WavePolyno
     }
     const GaussRule& across = nodes(kPi * along, 1.1 * digits + 1.5 * value_of(span));
     const GaussRule& out = nodes(kPi * radial, 0.9 * digits);
+    std::vector<double> share, weight, re(out.node.size()), im(out.node.size());
+    for (std::size_t k = 0; k < out.node.size(); ++k) {
+      share.push_back(0.5 * (1.0 + out.node[k]));
+      weight.push_back(share[k] * out.weight[k]);  // without the 1/2 of the interval
+    }
     for (std::size_t i = 0; i < across.node.size(); ++i) {
       const T t = begin + T(0.5) * span * T(1.0 + across.node[i]), c = cos(t), s = sin(t);
       const T x = disc.x + disc.r * c, y = disc.y + disc.r * s;
       const auto row = along_ray(d, x, y);
       Complex<T> ray{T(0), T(0)};
-      for (std::size_t k = 0; k < out.node.size(); ++k) {
-        const double share = 0.5 * (1.0 + out.node[k]);
-        T cycles = row[static_cast<std::size_t>(d.degree)];
-        for (int m = d.degree - 1; m >= 0; --m) cycles = cycles * T(share) + row[static_cast<std::size_t>(m)];
-        const T half = T(kPi) * (cycles - T(std::nearbyint(value_of(cycles)))), sine = sin(half);
-        const T weight = T(share * out.weight[k]);  // without the 1/2 of the interval
-        ray = ray + Complex<T>{weight * T(-2) * sine * sine, weight * T(2) * sine * cos(half)};
+      if constexpr (std::is_same_v<T, double>) {
+        weighted_turns(row.data(), d.degree, share.data(), weight.data(), share.size(), re.data(), im.data());
+        for (std::size_t k = 0; k < share.size(); ++k) ray = ray + Complex<T>{re[k], im[k]};
+      } else {
+        for (std::size_t k = 0; k < share.size(); ++k) {
+          T cycles = row[static_cast<std::size_t>(d.degree)];
+          for (int m = d.degree - 1; m >= 0; --m) cycles = cycles * T(share[k]) + row[static_cast<std::size_t>(m)];
+          const T half = T(kPi) * (cycles - T(std::nearbyint(value_of(cycles)))), sine = sin(half);
+          ray = ray + Complex<T>{T(-2.0 * weight[k]) * sine * sine, T(2.0 * weight[k]) * sine * cos(half)};
+        }
       }
       const T jacobian = T(0.25 * across.weight[i]) * span * disc.r * (disc.x * c + disc.y * s + disc.r);
       sum = sum + Complex<T>{jacobian * ray.re, jacobian * ray.im};
@@ -218,6 +226,12 @@ struct PupilRim {
     if (d >= 1.0 + r) return 0.0;
     const double crossing = (d * d + 1.0 - r * r) / (2.0 * d);  // of the circles, along x
     return crossing <= 0.0 ? 1.0 : crossing >= d ? r : std::sqrt((1.0 - crossing) * (1.0 + crossing));
+  }
+  /// A number of the shape that is left: where it changes, OTFs have kinks as functions of the shift.
+  int shape(double obscuration) const {
+    if (is_idle()) return 0;
+    const bool narrower = half_diameter()<1.0, hole = std::abs(value_of(shift))> value_of(radius) - obscuration;
+    return 1 + (narrower ? 1 : 0) + (hole ? 2 : 0);
   }
 };
 

@@ -105,24 +105,6 @@ using Row = std::array<double, PupilPolynomial::kMaxDegree + 1>;
 
 Complex<double> plain(const Cplx& z) { return {z.real(), z.imag()}; }
 
-// re[k] + i im[k] = weight[k] (exp(2 pi i D(w[k])) - 1), D(w) = sum of coefficient[j] w^j, j = 0 .. degree, in cycles,
-// |D| < 2^50. Relative error of a few 2^-53 of the turn, |exp - 1|, so that a small D loses no digits.
-MTFKIT_CLONES void weighted_turns(const double* coefficient, int degree, const double* w, const double* weight,
-                                  std::size_t n, double* __restrict re, double* __restrict im) {
-  for (std::size_t k = 0; k < n; ++k) re[k] = coefficient[degree];
-  for (int j = degree - 1; j >= 0; --j)
-    for (std::size_t k = 0; k < n; ++k) re[k] = re[k] * w[k] + coefficient[j];
-  constexpr double kRound = 0x1.8p+52;  // adding and subtracting it rounds to whole cycles
-  for (std::size_t k = 0; k < n; ++k) {
-    // With a = pi r, exp(2 i a) - 1 = 2 i sin a exp(i a); sin a and cos a come from the sine and cosine of a / 2.
-    const double r = re[k] - ((re[k] + kRound) - kRound);
-    const auto [s, c] = sin_cos_reduced(0.25 * r);
-    const double sine = 2.0 * s * c, cosine = 1.0 - 2.0 * s * s;
-    re[k] = -2.0 * weight[k] * sine * sine;
-    im[k] = 2.0 * weight[k] * sine * cosine;
-  }
-}
-
 // A polynomial along the chord at x = u: coefficients of powers of w, y = half_chord w.
 Row on_chord(const PupilPolynomial& p, double u, double half_chord) {
   Row row{};
@@ -260,6 +242,22 @@ Folded fold(const WavefrontSymmetry& own, const Freq<double>& nu) {
 }
 
 }  // namespace
+
+MTFKIT_CLONES void weighted_turns(const double* coefficient, int degree, const double* w, const double* weight,
+                                  std::size_t n, double* __restrict re, double* __restrict im) {
+  for (std::size_t k = 0; k < n; ++k) re[k] = coefficient[degree];
+  for (int j = degree - 1; j >= 0; --j)
+    for (std::size_t k = 0; k < n; ++k) re[k] = re[k] * w[k] + coefficient[j];
+  constexpr double kRound = 0x1.8p+52;  // adding and subtracting it rounds to whole cycles
+  for (std::size_t k = 0; k < n; ++k) {
+    // With a = pi r, exp(2 i a) - 1 = 2 i sin a exp(i a); sin a and cos a come from the sine and cosine of a / 2.
+    const double r = re[k] - ((re[k] + kRound) - kRound);
+    const auto [s, c] = sin_cos_reduced(0.25 * r);
+    const double sine = 2.0 * s * c, cosine = 1.0 - 2.0 * s * s;
+    re[k] = -2.0 * weight[k] * sine * sine;
+    im[k] = 2.0 * weight[k] * sine * cosine;
+  }
+}
 
 void PupilPolynomial::add(const PupilPolynomial& other, double factor) {
   if (factor == 0.0) return;

@@ -5,6 +5,7 @@
 // module (mtf/work/module.h, CMake target `mtfkit_codecs`), opened on first use: reading no PNG costs nothing.
 
 #include <cstdint>
+#include <istream>
 #include <map>
 #include <optional>
 #include <string>
@@ -28,14 +29,17 @@ struct RasterHeader {
   std::int64_t width = 0, height = 0;
   int colours = 1;     ///< 1 grey, 3 R,G,B
   bool alpha = false;  ///< one more channel, never read
-  std::string type;    ///< "uint8", "uint16", "float", "double"
+  std::string type;    ///< "uint8", "uint16", "int8", "int16", "float", "double"
   std::string storage;
   std::map<std::string, std::string> attributes;
   StatedEncoding encoding;
   std::vector<std::uint16_t> dct_steps{};  ///< of a JPEG (mtf/io/codecs/encoding.h)
   std::optional<NoData> no_data{};
   double pixel_aspect = 1.0;         ///< as in FileInfo
+  double largest = 0.0;              ///< as in FileInfo
+  int page = 0;                      ///< of a TIFF, from 0
   std::vector<std::string> notes{};  ///< as in FileInfo
+  std::string flir{}, dji{};         ///< FFF, and counts, in the segments of a JPEG (mtf/io/raw/flir.cpp)
 };
 
 /// Samples to be written, row-major, colours interleaved as R,G,B, 8 or 16 bits each.
@@ -56,9 +60,11 @@ RasterData drawn(const RasterData& data, const Drawing& drawing);
 /// returns 0 or the error number of the write that failed.
 struct Codecs {
   ModuleBuild build;
-  RasterHeader (*tiff_header)(const std::string& path, std::int64_t file_bytes);
-  /// First page, planes in the order R,G,B or Y, values as stored.
-  std::vector<Image> (*decode_png)(const std::string& path, const RasterHeader& header);
+  RasterHeader (*tiff_header)(const std::string& path, std::int64_t file_bytes, int page);
+  /// Planes in the order R,G,B or Y, values as stored.
+  /// Of a PNG of that many bytes in a file or in memory, which `path` names.
+  std::vector<Image> (*decode_png)(const std::string& path, std::istream& file, std::int64_t bytes,
+                                   const RasterHeader& header);
   std::vector<Image> (*decode_tiff)(const std::string& path, const RasterHeader& header);
   std::vector<Image> (*decode_jpeg)(const std::string& path, const RasterHeader& header);
   int (*encode_png)(int descriptor, const RasterData& data);

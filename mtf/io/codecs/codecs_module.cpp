@@ -42,6 +42,8 @@ std::vector<Image> empty_planes(const RasterHeader& header) {
 void place(const Piece& piece, const RasterHeader& header, std::vector<Image>& planes) {
   if (header.type == "uint8") return place_samples<std::uint8_t>(piece, planes);
   if (header.type == "uint16") return place_samples<std::uint16_t>(piece, planes);
+  if (header.type == "int8") return place_samples<std::int8_t>(piece, planes);
+  if (header.type == "int16") return place_samples<std::int16_t>(piece, planes);
   if (header.type == "double") return place_samples<double>(piece, planes);
   place_samples<float>(piece, planes);
 }

@@ -10,8 +10,9 @@
 
 namespace mtf::io::module {
 
-RasterHeader tiff_header(const std::string& path, std::int64_t file_bytes);
-std::vector<Image> decode_png(const std::string& path, const RasterHeader& header);
+RasterHeader tiff_header(const std::string& path, std::int64_t file_bytes, int page);
+std::vector<Image> decode_png(const std::string& path, std::istream& file, std::int64_t bytes,
+                              const RasterHeader& header);
 std::vector<Image> decode_tiff(const std::string& path, const RasterHeader& header);
 std::vector<Image> decode_jpeg(const std::string& path, const RasterHeader& header);
 int encode_png(int descriptor, const RasterData& data);

@@ -121,9 +121,10 @@ bool decode(png_structp png, png_infop info, std::size_t row_bytes, png_bytepp r
 
 }  // namespace
 
-std::vector<Image> decode_png(const std::string& path, const RasterHeader& header) {
+std::vector<Image> decode_png(const std::string& path, std::istream& from, std::int64_t bytes,
+                              const RasterHeader& header) {
   std::vector<unsigned char> file;
-  require_same(scan_png(path, &file), header, path, "PNG");
+  require_same(scan_png(path, from, bytes, &file), header, path, "PNG");
   const std::int64_t row_samples = header.width * header.colours;
   const auto row_bytes = static_cast<std::size_t>(row_samples * (header.type == "uint16" ? 2 : 1));
   std::vector<unsigned char> pixels(row_bytes * static_cast<std::size_t>(header.height));

@@ -141,7 +141,8 @@ void note_further_images(const TiffOthers& others, RasterHeader& header) {
   };
   const std::size_t pages = others.pages.size() + 1;
   if (pages > 1)
-    add("read as page 1 of " + std::to_string(pages) + (pages >= 1000 ? " or more" : "") + ": the others",
+    add("read as page " + std::to_string(header.page + 1) + " of " + std::to_string(pages) +
+            (pages >= 1000 ? " or more" : "") + " (--page N reads another): the others",
         others.pages);
   if (!others.below.empty()) add("its " + std::to_string(others.below.size()) + " images in SubIFDs", others.below);
   // ImageJ writes stacks above 4 GiB behind a single directory.
@@ -168,19 +169,24 @@ std::string photometric_name(int photometric) {
                                : "photometric interpretation " + std::to_string(photometric);
 }
 
-/// Leaves the handle at the first image.
-TiffOthers other_images(TIFF* tiff) {
+/// Leaves the handle at that page, from 0.
+TiffOthers other_images(const std::string& path, TIFF* tiff, int page) {
   constexpr std::size_t most = 999;  // a damaged chain may be long; where it is circular, libtiff stops
   TiffOthers others;
   std::uint16_t count = 0;
   const std::uint64_t* offsets = nullptr;
   std::vector<std::uint64_t> below;
-  if (TIFFGetField(tiff, TIFFTAG_SUBIFD, &count, &offsets) == 1 && offsets != nullptr)
+  if (page == 0 && TIFFGetField(tiff, TIFFTAG_SUBIFD, &count, &offsets) == 1 && offsets != nullptr)
     below.assign(offsets, offsets + std::min<std::size_t>(count, most));
-  while (others.pages.size() < most && TIFFReadDirectory(tiff) == 1) others.pages.push_back(image_of(tiff));
+  others.pages.push_back(image_of(tiff));
+  while (others.pages.size() <= most && TIFFReadDirectory(tiff) == 1) others.pages.push_back(image_of(tiff));
+  if (page < 0 || page >= std::ssize(others.pages))
+    throw RuntimeError(path + ": page " + std::to_string(page + 1) + " of a TIFF of " +
+                       plural(std::ssize(others.pages), "page") + "; pages count from 1");
+  others.pages.erase(others.pages.begin() + page);
   for (const std::uint64_t offset : below)
     if (TIFFSetSubDirectory(tiff, offset) == 1) others.below.push_back(image_of(tiff));
-  TIFFSetDirectory(tiff, 0);
+  TIFFSetDirectory(tiff, static_cast<tdir_t>(page));
   return others;
 }
 
@@ -241,8 +247,9 @@ void read_tags(TIFF* tiff, const TiffOthers& others, RasterHeader& header) {
         extra_count == 0 || extra[0] == EXTRASAMPLE_UNSPECIFIED ? "a further sample of each pixel is not read"
         : extra[0] == EXTRASAMPLE_ASSOCALPHA ? "its alpha channel is not read: its values are multiplied by it already"
                                              : "its alpha channel is not applied");
+  const double scale = header.largest > 0.0 ? header.largest : header.type == "uint8" ? 255.0 : 65535.0;
   if (TIFFGetField(tiff, TIFFTAG_MAXSAMPLEVALUE, &most) == 1 && (header.type == "uint8" || header.type == "uint16") &&
-      most < (header.type == "uint8" ? 255 : 65535))
+      most < scale)
     header.notes.push_back("its largest possible value is " + std::to_string(most) +
                            " (MaxSampleValue): where it clips there, --saturation says so");
 }
@@ -258,8 +265,9 @@ using TiffHandle = std::unique_ptr<TIFF, CloseTiff>;
 }
 
 [[noreturn]] void unsupported(const std::string& path, const std::string& what) {
-  throw RuntimeError(path + ": TIFF with " + what +
-                     " is not read; convert it to 8 or 16-bit unsigned or float, grey (min is black) or RGB");
+  throw RuntimeError(
+      path + ": TIFF with " + what +
+      " is not read; convert it to whole numbers of 8, 12 or 16 bits or float, grey (min is black) or RGB");
 }
 
 template <class T>
@@ -270,7 +278,8 @@ T field(TIFF* tiff, std::uint32_t tag, T missing) {
 
 std::string sample_type(const std::string& path, int bits, int format) {
   if (format == SAMPLEFORMAT_UINT && bits == 8) return "uint8";
-  if (format == SAMPLEFORMAT_UINT && bits == 16) return "uint16";
+  if (format == SAMPLEFORMAT_UINT && (bits == 12 || bits == 16)) return "uint16";
+  if (format == SAMPLEFORMAT_INT && (bits == 8 || bits == 16)) return bits == 8 ? "int8" : "int16";
   if (format == SAMPLEFORMAT_IEEEFP && bits == 32) return "float";
   if (format == SAMPLEFORMAT_IEEEFP && bits == 64) return "double";
   const std::string kind = format == SAMPLEFORMAT_INT      ? "signed "
@@ -369,6 +378,20 @@ std::vector<unsigned char> coloured(const std::vector<unsigned char>& values, co
   return colours;
 }
 
+/// Numbers of 12 bits, two in three bytes, rows of whole bytes.
+std::vector<std::uint16_t> unpacked(const std::vector<unsigned char>& piece, std::size_t row_samples,
+                                    std::size_t rows) {
+  std::vector<std::uint16_t> wide;
+  wide.reserve(row_samples * rows);
+  const std::size_t row_bytes = (12 * row_samples + 7) / 8;
+  for (std::size_t y = 0; y < rows; ++y)
+    for (std::size_t i = 0; i < row_samples; ++i) {
+      const unsigned char* const at = piece.data() + y * row_bytes + 3 * (i / 2);
+      wide.push_back(static_cast<std::uint16_t>(i % 2 == 0 ? at[0] << 4 | at[1] >> 4 : (at[1] & 15) << 8 | at[2]));
+    }
+  return wide;
+}
+
 struct Output {
   int descriptor = -1;
   int error = 0;
@@ -432,16 +455,17 @@ void silence_tiff() {
   TIFFSetWarningHandlerExt(nullptr);
 }
 
-RasterHeader tiff_header(const std::string& path, std::int64_t file_bytes) {
+RasterHeader tiff_header(const std::string& path, std::int64_t file_bytes, int page) {
   silence_tiff();
   const TiffHandle handle(TIFFOpen(path.c_str(), "rm"));  // m: no memory map, a file that shrinks must not kill us
   TIFF* tiff = handle.get();
   if (tiff == nullptr) damaged(path, "its directory cannot be read");
 
   RasterHeader header;
-  const TiffOthers others = other_images(tiff);
-  if (TIFFCurrentDirectory(tiff) != 0) damaged(path, "its first directory cannot be read twice");
-  require_main_image(path, tiff, others);
+  const TiffOthers others = other_images(path, tiff, page);
+  if (TIFFCurrentDirectory(tiff) != static_cast<tdir_t>(page)) damaged(path, "its directory cannot be read twice");
+  if (page == 0) require_main_image(path, tiff, others);
+  header.page = page;
   header.width = field<std::uint32_t>(tiff, TIFFTAG_IMAGEWIDTH, 0);
   header.height = field<std::uint32_t>(tiff, TIFFTAG_IMAGELENGTH, 0);
   const int bits = field<std::uint16_t>(tiff, TIFFTAG_BITSPERSAMPLE, 1);
@@ -463,9 +487,14 @@ RasterHeader tiff_header(const std::string& path, std::int64_t file_bytes) {
   }
   check_pieces(path, tiff, file_bytes);
   read_description(tiff, header);
-  const bool integer = header.type == "uint8" || header.type == "uint16";
-  header.encoding = read_encoding(tiff, bits, integer);
-  header.storage = std::to_string(bits) + (integer ? "-bit" : "-bit float") + (TIFFIsTiled(tiff) != 0 ? " tiled" : "");
+  const bool integer = header.type != "float" && header.type != "double", is_signed = header.type.starts_with("int");
+  if (bits == 12) header.largest = 4095.0;
+  header.encoding = read_encoding(tiff, bits, integer && !is_signed);
+  header.storage = std::to_string(bits) +
+                   (is_signed ? "-bit signed"
+                    : integer ? "-bit"
+                              : "-bit float") +
+                   (TIFFIsTiled(tiff) != 0 ? " tiled" : "");
   read_tags(tiff, others, header);
   return header;
 }
@@ -475,7 +504,8 @@ std::vector<Image> decode_tiff(const std::string& path, const RasterHeader& head
   silence_tiff();
   const TiffHandle handle(TIFFOpen(path.c_str(), "rm"));
   TIFF* tiff = handle.get();
-  if (tiff == nullptr) damaged(path, "its directory cannot be read");
+  if (tiff == nullptr || TIFFSetDirectory(tiff, static_cast<tdir_t>(header.page)) != 1)
+    damaged(path, "its directory cannot be read");
   const bool tiled = TIFFIsTiled(tiff) != 0;
   const auto width = field<std::uint32_t>(tiff, TIFFTAG_IMAGEWIDTH, 0);
   const auto rows = field<std::uint32_t>(tiff, TIFFTAG_IMAGELENGTH, 0);
@@ -490,7 +520,7 @@ std::vector<Image> decode_tiff(const std::string& path, const RasterHeader& head
   const auto down = tiled ? field<std::uint32_t>(tiff, TIFFTAG_TILELENGTH, 0)
                           : std::min(field<std::uint32_t>(tiff, TIFFTAG_ROWSPERSTRIP, rows), rows);
   const tmsize_t size = tiled ? TIFFTileSize(tiff) : TIFFStripSize(tiff);
-  const std::int64_t row_bytes = static_cast<std::int64_t>(across) * samples * bits / 8;
+  const std::int64_t row_bytes = (static_cast<std::int64_t>(across) * samples * bits + 7) / 8;
   if (across == 0 || down == 0 || size < row_bytes * down) damaged(path, "its pieces have no size");
   std::vector<Image> planes = empty_planes(header);
   std::vector<unsigned char> piece(static_cast<std::size_t>(size));
@@ -502,7 +532,11 @@ std::vector<Image> decode_tiff(const std::string& path, const RasterHeader& head
         tiled ? TIFFReadEncodedTile(tiff, i, piece.data(), size) : TIFFReadEncodedStrip(tiff, i, piece.data(), size);
     if (read < row_bytes * high)
       damaged(path, "piece " + std::to_string(i) + " of " + std::to_string(count) + " of its pixels cannot be decoded");
-    if (palette.empty()) {
+    if (bits == 12) {
+      const auto row_samples = std::size_t{across} * static_cast<std::size_t>(samples);
+      const std::vector<std::uint16_t> wide = unpacked(piece, row_samples, high);
+      place({wide.data(), x, y, across, high, std::int64_t{across} * samples, samples}, header, planes);
+    } else if (palette.empty()) {
       place({piece.data(), x, y, across, high, std::int64_t{across} * samples, samples}, header, planes);
     } else {
       const std::vector<unsigned char> colours = coloured(piece, palette);

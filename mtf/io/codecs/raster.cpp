@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mtf/io/codecs/raster.h"
 
+#include <fstream>
 #include <utility>
 
 #include "mtf/error.h"
@@ -8,14 +9,15 @@
 #include "mtf/io/codecs/codecs.h"
 #include "mtf/io/codecs/raster_scan.h"
 #include "mtf/io/file_checks.h"
+#include "mtf/io/raw/raw_image.h"
 #include "mtf/words.h"
 
 namespace mtf::io {
 namespace {
 
-RasterHeader raster_header(const std::string& path, Format format) {
+RasterHeader raster_header(const std::string& path, Format format, int page) {
   if (format == Format::png) return scan_png(path);
-  return format == Format::jpeg ? scan_jpeg(path) : codecs().tiff_header(path, input_file_size(path));
+  return format == Format::jpeg ? scan_jpeg(path) : codecs().tiff_header(path, input_file_size(path), page);
 }
 
 FileInfo describe(const RasterHeader& header, Format format) {
@@ -30,6 +32,7 @@ FileInfo describe(const RasterHeader& header, Format format) {
   info.encoding = header.encoding;
   info.dct_steps = header.dct_steps;
   info.pixel_aspect = header.pixel_aspect;
+  info.largest = header.largest;
   info.notes = header.notes;
   if (header.no_data) note_no_data(info, header.no_data->words);
   std::vector<std::string> names{"Y"};
@@ -39,26 +42,55 @@ FileInfo describe(const RasterHeader& header, Format format) {
     ChannelInfo channel;
     channel.name = name;
     channel.type = header.type;
+    channel.part = header.page;
     info.channels.push_back(channel);
   }
   return info;
 }
 
+/// A JPEG is a picture of the counts of a thermal camera, where it holds them: they are another image beside it. Where
+/// they cannot be read the picture still can.
+void add_counts(const std::string& path, const RasterHeader& header, FileInfo& info) {
+  if (header.flir.empty() && header.dji.empty()) return;
+  try {
+    const FileInfo counts = read_raw_info(path, open_flir);
+    info.channels.push_back(counts.channels.front());
+    info.channels.back().part = 1;
+    info.attributes.insert(counts.attributes.begin(), counts.attributes.end());
+    info.attributes.erase("mtf:quantity");  // of the counts alone
+    info.notes.push_back("it is a picture of the raw counts of a thermal camera, " +
+                         size_text(counts.width, counts.height) + ", which it holds too: --channel counts reads them");
+    info.notes.insert(info.notes.end(), counts.notes.begin(), counts.notes.end());
+  } catch (const Error& error) {
+    info.notes.push_back("the raw counts of a thermal camera that it holds are not readable: " +
+                         std::string(error.what()));
+  }
+}
+
 std::vector<Image> decode_raster(const std::string& path, Format format, const RasterHeader& header) {
-  if (format == Format::png) return codecs().decode_png(path, header);
+  if (format == Format::png) {
+    std::ifstream file(path, std::ios::binary);
+    return codecs().decode_png(path, file, input_file_size(path), header);
+  }
   return format == Format::jpeg ? codecs().decode_jpeg(path, header) : codecs().decode_tiff(path, header);
 }
 
 }  // namespace
 
 FileInfo read_raster_info(const std::string& path, Format format) {
-  return describe(raster_header(path, format), format);
+  const RasterHeader header = raster_header(path, format, 0);
+  FileInfo info = describe(header, format);
+  add_counts(path, header, info);
+  return info;
 }
 
 ImageFile read_raster(const std::string& path, Format format, const ReadOptions& options) {
-  const RasterHeader header = raster_header(path, format);
+  const RasterHeader header = raster_header(path, format, options.part.value_or(0));
   ImageFile image;
   image.info = describe(header, format);
+  add_counts(path, header, image.info);
+  if (image.info.channels.back().name == "counts" && (options.channel == "counts" || options.part == 1))
+    return read_raw(path, open_flir, {});
   if (format == Format::jpeg && options.channel && *options.channel != "Y")
     throw UsageError(path +
                      ": of a JPEG only the luminance plane Y is read: its colours are mixed and mostly of fewer "
@@ -71,7 +103,7 @@ ImageFile read_raster(const std::string& path, Format format, const ReadOptions&
   std::vector<Image> planes = decode_raster(path, format, header);
   for (const std::size_t i : choice.indices) image.planes.push_back(std::move(planes.at(i)));
   image.names = choice.names;
-  image.integer = header.type == "uint8" || header.type == "uint16";
+  image.integer = header.type != "float" && header.type != "double";
   return image;
 }
 

@@ -214,7 +214,7 @@ using Segment = std::span<const unsigned char>;
 // Markers of T.81, table B.1, and those that applications use.
 constexpr int kSof0 = 0xc0, kSof2 = 0xc2, kSofLast = 0xcf, kDht = 0xc4, kJpg = 0xc8, kDac = 0xcc, kRst0 = 0xd0,
               kRst7 = 0xd7, kSoi = 0xd8, kEoi = 0xd9, kSos = 0xda, kDqt = 0xdb, kApp0 = 0xe0, kApp1 = 0xe1,
-              kApp2 = 0xe2, kAdobe = 0xee, kAppLast = 0xef, kComment = 0xfe;
+              kApp2 = 0xe2, kApp3 = 0xe3, kAdobe = 0xee, kAppLast = 0xef, kComment = 0xfe;
 
 constexpr std::size_t kBlock = 64;  // coefficients
 constexpr std::int64_t kMostBytes = std::int64_t{1} << 31;
@@ -229,6 +229,10 @@ struct JpegFacts {
   bool rgb = false;      // component names R, G, B
   int adobe_transform = -1;
   std::vector<unsigned char> profile;
+  std::map<int, std::string> flir;  // stretches of an FFF by their number
+  int last_flir = 0;
+  bool of_dji = false;
+  std::string dji;                     // the segments in which its cameras have their counts
   std::map<int, std::size_t> unknown;  // bytes in segments of applications, by their number, that are not known here
 };
 
@@ -303,11 +307,16 @@ void read_application(int marker, Segment data, JpegFacts& facts) {
                                                     static_cast<std::uint32_t>(two_bytes(data, 10)));
   } else if (marker == kApp1 && starts_with(data, "Exif\0\0"sv)) {
     note_orientation(data.subspan(6), notes);
+    constexpr std::uint16_t make = 0x010f;
+    const std::uint32_t letters = tag_value(data.subspan(6), make).value_or(0);
+    facts.of_dji = letters == 0x00494a44U || letters == 0x444a4900U;  // "DJI" in either order of bytes
+  } else if (marker == kApp3 && facts.of_dji) {
+    facts.dji.append(data.begin(), data.end());
   } else if (marker == kApp1 && starts_with(data, "FLIR\0"sv)) {
-    constexpr std::string_view flir =
-        "it holds the raw counts of a FLIR camera, which are not read: what is read is a picture of them; take them "
-        "out, as `exiftool -b -RawThermalImage` does";
-    if (std::find(notes.begin(), notes.end(), flir) == notes.end()) notes.emplace_back(flir);
+    // "FLIR", 0, 1, the number of the segment and that of the last one; each holds a further stretch of the FFF.
+    if (data.size() < 8) return;
+    facts.flir[data[6]].assign(data.begin() + 8, data.end());
+    facts.last_flir = data[7];
   } else if (marker == kApp2 && starts_with(data, "ICC_PROFILE") && data.size() > 14) {  // in order, as writers do
     facts.profile.insert(facts.profile.end(), data.begin() + 14, data.end());
   } else if (marker == kApp2 && starts_with(data, "MPF\0"sv)) {
@@ -385,10 +394,16 @@ StatedEncoding encoding_of(const JpegFacts& facts) {
 
 }  // namespace
 
-RasterHeader scan_png(const std::string& path, Bytes* critical) {
+RasterHeader scan_png(const std::string& path) {
   const std::int64_t file_bytes = input_file_size(path);
   std::ifstream file(path, std::ios::binary);
   if (!file) throw RuntimeError("cannot read " + path + ": it cannot be opened; check its permissions");
+  return scan_png(path, file, file_bytes);
+}
+
+RasterHeader scan_png(const std::string& path, std::istream& file, std::int64_t file_bytes, Bytes* critical) {
+  file.clear();
+  file.seekg(0);
   Bytes chunk(8);
   const auto read = [&](std::size_t size) {
     chunk.resize(size);
@@ -454,6 +469,12 @@ RasterHeader scan_jpeg(const std::string& path, std::vector<unsigned char>* crit
   if (facts.components == 3 && (facts.rgb || facts.adobe_transform == 0))
     unsupported_jpeg(path, "a JPEG that stores red, green and blue and has no luminance plane");
   RasterHeader header = std::move(facts.header);
+  if (const auto all = static_cast<std::size_t>(facts.last_flir) + 1; !facts.flir.empty() && facts.flir.size() != all)
+    header.notes.push_back(std::to_string(facts.flir.size()) + " of " + std::to_string(all) +
+                           " segments with the raw counts of the camera are in it: they are not read");
+  else
+    for (const auto& [number, stretch] : facts.flir) header.flir += stretch;
+  header.dji = std::move(facts.dji);
   header.dct_steps = facts.tables[static_cast<std::size_t>(facts.luminance_table)];
   if (header.dct_steps.empty()) damaged_jpeg(path, "no quantisation table of the luminance plane");
   if (header.width * header.height > max_plane_pixels / 2) unsupported_jpeg(path, "a JPEG of more than 2^30 pixels");

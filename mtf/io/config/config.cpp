@@ -6,6 +6,7 @@
 
 #include "mtf/components/path_air.h"
 #include "mtf/error.h"
+#include "mtf/field/sample_ranges.h"
 #include "mtf/io/config/config_reader.h"
 #include "mtf/io/config/sensor_starter.toml.h"
 #include "mtf/io/csv/curve_csv.h"
@@ -202,6 +203,11 @@ void interpret(const Node& tree, ConfigResult& result) {
       if (const auto no_air = read_path_air(tree, result.config)) reader.diagnostics.push_back(*no_air);
     check_system(reader, system, origin);
     if (reader.failed.empty()) note_what_is_missing(reader, system);
+    if (const auto entry = entry_by_range(system); reader.failed.empty() && entry)
+      reader.note({}, "presample[" + std::to_string(*entry) + "].focus",
+                  "in an image each sample is out of focus by its range (channel Z of the scene); figures of merit, "
+                  "budgets and curves are those of what is in focus",
+                  true);
     if (reader.failed.empty() && !system.is_isoplanatic())
       reader.note({}, "presample",
                   "the OTF changes over the field by " + names_over_field(system) +

@@ -35,6 +35,10 @@ bool read_value(const Section& section, const FieldRef<double>& field) {
     if (value) target = *value;
     return value.has_value();
   };
+  const Node* node = section.find(info.name);
+  if (info.type == FieldType::number && node != nullptr && node->kind == Node::Kind::string &&
+      std::ranges::find(info.words, node->text) != info.words.end())
+    return false;  // as other keys have it
   const auto number = [&](auto& target) {
     const auto scalar = read_scalar(section, info, info.name);
     if (scalar) target = scalar->value;

@@ -113,6 +113,14 @@ std::string read_whole(const std::string& path, std::size_t limit, bool text_bel
 }
 
 constexpr std::size_t kMaxSampleColumns = 256;
+constexpr std::size_t kMapperSamples = 64;
+
+std::vector<std::string_view> split_words(std::string_view line) {
+  std::vector<std::string_view> words;
+  for (const std::string_view cell : split_cells(line, ' ', kMaxSampleColumns))
+    if (!cell.empty()) words.push_back(cell);
+  return words;
+}
 
 /// The file's rows as cells, with what messages call each.
 struct Table {
@@ -225,6 +233,48 @@ std::vector<CurveSamples> measured_curves(const Table& table, std::size_t kind) 
   return all;
 }
 
+/// The columns that stand before those of the curve in a file edge_sfr_values.txt of MTF Mapper, which names them in
+/// comments from its output version 2 on; 0 for another text. The first version has five, and no comments.
+std::size_t mtf_mapper_columns(std::string_view text) {
+  constexpr std::size_t first_version = 5;
+  if (text.starts_with("# MTF Mapper SFR")) {
+    std::size_t columns = 0;
+    while (text.starts_with('#')) columns += take_text_line(text).starts_with("# column") ? 1 : 0;
+    return columns;
+  }
+  const auto cells = split_words(take_text_line(text));
+  const bool numbers =
+      std::ranges::all_of(cells, [](std::string_view cell) { return cell_number<double>(cell).has_value(); });
+  return numbers && cells.size() == first_version + kMapperSamples ? first_version : 0;
+}
+
+/// An edge a row: columns that describe it, then its curve at 0, 1/64, ... 63/64 cy/px.
+std::vector<CurveSamples> mtf_mapper_curves(std::string_view text, std::size_t columns, const std::string& source) {
+  std::vector<CurveSamples> all;
+  for (std::size_t line = 1; !text.empty(); ++line) {
+    const std::string_view row = take_text_line(text);
+    if (is_comment(row)) continue;
+    const auto cells = split_words(row);
+    const std::string where = source + ":" + std::to_string(line) + ": ";
+    if (cells.size() != columns + kMapperSamples)
+      throw UsageError(where + "a row of MTF Mapper has " + std::to_string(columns) + " columns and " +
+                       std::to_string(kMapperSamples) + " samples; here are " + std::to_string(cells.size()) +
+                       " numbers");
+    CurveSamples& curve = all.emplace_back();
+    curve.name = "edge at " + printable(cells[1], 20) + "," + printable(cells[2], 20);
+    curve.unit = find_unit("cy/px");
+    for (std::size_t i = 1; i < kMapperSamples; ++i) {  // the first is 1 by definition
+      const auto value = cell_number<double>(cells[columns + i]);
+      if (!value || !std::isfinite(*value))
+        throw UsageError(where + "\"" + printable(cells[columns + i], 20) + "\" is no number");
+      curve.frequency.push_back(static_cast<double>(i) / static_cast<double>(kMapperSamples));
+      curve.mtf.push_back(*value);
+    }
+    if (cell_number<double>(cells[columns]) == 0.0) all.pop_back();  // an edge that could not be measured
+  }
+  return all;
+}
+
 }  // namespace
 
 std::string read_file(const std::string& path, std::size_t limit) { return read_whole(path, limit, false); }
@@ -255,10 +305,14 @@ Curve parse_curve_csv(std::string_view text, const std::string& source) {
 Curve read_curve_csv(const std::string& path) { return parse_curve_csv(read_table_text(path), path); }
 
 std::vector<CurveSamples> parse_curve_samples(std::string_view text, const std::string& source, const Unit* bare) {
-  const Table table = split(text, source);
+  text = without_mark(text);
+  const std::size_t mapper = mtf_mapper_columns(text);
+  const Table table = mapper > 0 ? Table{} : split(text, source);
   std::vector<CurveSamples> curves;
-  if (const auto kind = table.column("curve");
-      kind && table.column("edge") && table.column("x") && table.column("value") && table.column("sd")) {
+  if (mapper > 0) {
+    curves = mtf_mapper_curves(text, mapper, source);
+  } else if (const auto kind = table.column("curve");
+             kind && table.column("edge") && table.column("x") && table.column("value") && table.column("sd")) {
     curves = measured_curves(table, *kind);
   } else {
     const auto frequency = std::find_if(table.header.begin(), table.header.end(),

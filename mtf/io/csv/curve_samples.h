@@ -8,6 +8,7 @@
 //                                   the file does not state it
 //   edge,curve,x,value,sd[,x_unit]  `mtf measure --curves`: one curve an edge, the rows called mtf, in cycles/pixel or
 //                                   the unit of their column x_unit: cy/px, cy/mm, lp/mm (the same) or cy/mrad
+//   MTF Mapper's edge_sfr_values.txt  one of each edge, in cy/px; edges of all directions stand in it
 
 #include <string>
 #include <string_view>

@@ -90,7 +90,11 @@ RawWindows::RawWindows(const std::string& path, OpenRaw open, const ReadOptions&
   file_.info = image_.info;
   file_.info.channels = std::move(all);
   const std::string& type = image_.info.channels.front().type;
-  file_.integer = !type.ends_with("float") && !type.ends_with("double");
+  // Numbers whose quantity the file states are of its unit as they are.
+  file_.integer =
+      !type.ends_with("float") && !type.ends_with("double") && !image_.info.attributes.contains("mtf:quantity");
+  if (image_.unpack) image_.held = image_.unpack();
+  if (image_.decode) return;
   descriptor_ = ::open(image_.file.c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor_ < 0)
     throw RuntimeError("cannot read " + image_.file + ": " + std::generic_category().message(errno) +
@@ -104,6 +108,10 @@ RawWindows::~RawWindows() {
 void RawWindows::read(std::size_t first_channel, std::int64_t x, std::int64_t y,
                       std::span<const ImageView<float>> out) const {
   const std::span planes = std::span(chosen_).subspan(first_channel, out.size());
+  if (image_.decode) {
+    for (std::size_t c = 0; c < out.size(); ++c) image_.decode(planes[c], x, y, out[c]);
+    return;
+  }
   const std::int64_t width = out.front().width;
   std::vector<char> bytes;
   std::int64_t from = 0;

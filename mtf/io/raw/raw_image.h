@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Images whose numbers lie bare in a file, one after another, as in ENVI, FITS, binary PGM and PPM, and BMP: their
+// Images whose numbers lie bare in a file, one after another, as in ENVI, FITS, binary PGM and PPM, BMP and FLIR: their
 // headers only differ in how they say where. The sample of plane p at column x and row y lies at
 //   begin + p plane_step + y row_step + x pixel_step
 // bytes; steps are negative where rows go upwards or colours are in the order B,G,R. Windows are read on their own, so
 // that such images need not fit memory.
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -20,10 +21,13 @@ namespace mtf::io {
 struct RawImage {
   std::string file;        ///< that holds the numbers
   std::vector<char> held;  ///< the numbers themselves, where the file has them in digits; `begin` counts from its start
+  std::function<std::vector<char>()> unpack{};  ///< makes `held` when the image is read, where numbers are compressed
   NumberType type{};
   std::int64_t begin = 0, pixel_step = 0, row_step = 0, plane_step = 0;
   std::vector<Meaning> planes{};  ///< one a plane
-  FileInfo info{};                ///< format, size, and with channels() one for each plane
+  /// Pixels from (x, y) on of a plane as floats, from any thread, where the numbers do not lie bare: a library decodes.
+  std::function<void(std::int64_t plane, std::int64_t x, std::int64_t y, ImageView<float> out)> decode{};
+  FileInfo info{};  ///< format, size, and with channels() one for each plane
 };
 
 /// Throws RuntimeError unless the image, whose size, type and file are known, has pixels and planes, at most as many as
@@ -41,13 +45,19 @@ void name_channels(RawImage& image, const std::vector<std::string>& names, int p
 /// Samples that are `value` have no data. `words` say so: "0 (BLANK)".
 void set_no_data(RawImage& image, double value, const std::string& words);
 
-// The images in a file of each format; several only in FITS, where ReadOptions::part chooses. Only headers are read.
-// Throw RuntimeError for headers that are damaged, that lack what the numbers cannot be read without, or that ask for
-// what is not read; messages name the key.
+// The images in a file of each format; several only in FITS and FLIR, where ReadOptions::part chooses. Only headers are
+// read. Throw RuntimeError for headers that are damaged, that lack what the numbers cannot be read without, or that ask
+// for what is not read; messages name the key.
 std::vector<RawImage> open_envi(const std::string& path);
 std::vector<RawImage> open_fits(const std::string& path);
 std::vector<RawImage> open_pnm(const std::string& path);
 std::vector<RawImage> open_bmp(const std::string& path);
+/// FFF and SEQ, a frame a part; or the counts in a JPEG (mtf/io/raw/flir.cpp).
+std::vector<RawImage> open_flir(const std::string& path);
+/// By the module of GDAL; also throws as open_module does.
+std::vector<RawImage> open_gdal(const std::string& path);
+/// By the module of LibRaw, likewise.
+std::vector<RawImage> open_camera_raw(const std::string& path);
 using OpenRaw = std::vector<RawImage> (*)(const std::string& path);
 
 FileInfo read_raw_info(const std::string& path, OpenRaw open);

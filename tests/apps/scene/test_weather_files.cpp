@@ -168,6 +168,90 @@ TEST(WeatherSurfrad, FlagsAndMarksAreMissingValues) {
   EXPECT_TRUE(std::isnan(missing.weather[direct_normal][7]));
 }
 
+TEST(WeatherTmy2, ReadsCellsByPosition) {
+  const WeatherFile file = parse_weather(tmy2_text(), "a.tm2", {.year = 2026});
+  EXPECT_EQ(file.format, WeatherFormat::tmy2);
+  const Weather& weather = file.weather;
+  ASSERT_EQ(weather.time_s.size(), 48u);
+  EXPECT_EQ(weather.stamp, Stamp::end);
+  EXPECT_NEAR(file.place->latitude_rad, 25.8 * kDegree, 1e-12);
+  EXPECT_NEAR(file.place->longitude_rad, -(80.0 + 16.0 / 60.0) * kDegree, 1e-12);
+  EXPECT_EQ(file.place->altitude_m, 2.0);
+  // 31 January 24:00 UTC-5 is 1 February 05:00 UTC.
+  EXPECT_EQ(weather.time_s[23], instant_of({2026, 2, 1}, 5.0 * 3600.0));
+  EXPECT_EQ(weather[global_horizontal][23], 115.0);
+  EXPECT_EQ(weather[direct_normal][23], 138.0);
+  EXPECT_EQ(weather[diffuse_horizontal][23], 46.0);
+  EXPECT_DOUBLE_EQ(weather[cloud_cover][23], 0.1);
+  EXPECT_NEAR(weather[air_temperature][23], 273.15 + 4.9, 1e-9);
+  EXPECT_NEAR(weather[vapour_pressure][23], 0.6 * radiometry::heat::saturation_pressure_pa(273.15 + 4.9), 1e-9);
+  EXPECT_EQ(weather[pressure][23], 101700.0);
+  EXPECT_NEAR(weather[wind_speed][23], 3.1, 1e-12);
+  EXPECT_FALSE(weather.is_mean(static_cast<std::size_t>(air_temperature)));
+  const Weather gap = parse_weather(replaced(tmy2_text(), "1017", "9999"), "a").weather;
+  EXPECT_TRUE(std::isnan(gap[pressure][0]) && gap[pressure][1] == 101700.0);
+  expect_says(refusal(replaced(tmy2_text(), "\r\n", "0\r\n")), {"file:2: error:", "143 characters, 142 are needed"});
+  expect_says(refusal(replaced(tmy2_text(), " 62 131 1", " 62 13125")), {"file:2: error:", "hours are from 1 to 24"});
+}
+
+TEST(WeatherSam, TheMinuteSaysWhatAStampIs) {
+  const WeatherFile file = parse_weather(sam_text(), "a.csv");
+  EXPECT_EQ(file.format, WeatherFormat::sam);
+  const Weather& weather = file.weather;
+  EXPECT_EQ(weather.stamp, Stamp::middle);
+  EXPECT_EQ(weather.time_s[0], instant_of({2017, 1, 1}, 7.5 * 3600.0));
+  EXPECT_NEAR(file.place->longitude_rad, -108.54 * kDegree, 1e-12);
+  EXPECT_EQ(file.place->altitude_m, 2168.0);
+  EXPECT_EQ(weather[global_horizontal][7], 35.0);
+  EXPECT_EQ(weather[direct_normal][7], 42.0);
+  EXPECT_EQ(weather[diffuse_horizontal][7], 14.0);
+  EXPECT_NEAR(weather[air_temperature][7], 273.15 + 0.1, 1e-9);
+  EXPECT_EQ(weather[pressure][7], 77900.0);
+  EXPECT_NEAR(weather[vapour_pressure][7], 0.6 * radiometry::heat::saturation_pressure_pa(273.25), 1e-9);
+  EXPECT_FALSE(weather.is_mean(static_cast<std::size_t>(wind_speed)));
+  // Without minutes the hour begins at its stamp, for all columns; the dew point serves where humidity is not there.
+  const Weather hours = parse_weather(replaced(sam_text(48, false), "Relative Humidity", "Cloud Type"), "a").weather;
+  EXPECT_EQ(hours.stamp, Stamp::begin);
+  EXPECT_EQ(hours.time_s[0], instant_of({2017, 1, 1}, 7.0 * 3600.0));
+  EXPECT_TRUE(hours.is_mean(static_cast<std::size_t>(wind_speed)));
+  EXPECT_NEAR(hours[vapour_pressure][7], radiometry::heat::saturation_pressure_pa(273.15 - 10.8), 1e-9);
+  EXPECT_TRUE(std::isnan(parse_weather(replaced(sam_text(), ",35,42,", ",,-999,"), "a").weather[direct_normal][7]));
+  expect_says(refusal(replaced(sam_text(), ",c,mbar,", ",f,mbar,")), {"file:2: error:", "unit \"f\"", "c is needed"});
+  expect_says(refusal(replaced(sam_text(), "Time Zone", "Zone")), {"\"time zone\" has no value"});
+  expect_says(refusal(replaced(sam_text(), ",Hour,", ",Hr,")), {"\"hour\" is missing"});
+  expect_says(refusal(replaced(sam_text(), "2017,1,1,7,30", "2017,1,1,24,30")), {"file:11: error:", "from 0 to 23"});
+}
+
+TEST(WeatherPvgis, SunlightLiesLaterThanTheStamps) {
+  const WeatherFile file = parse_weather(pvgis_text(), "a.csv", {.year = 2026});
+  EXPECT_EQ(file.format, WeatherFormat::pvgis);
+  EXPECT_TRUE(file.warnings.empty());
+  const Weather& weather = file.weather;
+  ASSERT_EQ(weather.time_s.size(), 48u) << "explanations follow the records";
+  EXPECT_EQ(weather.time_s[24], instant_of({2026, 2, 1}));
+  EXPECT_NEAR(weather.later_s, 0.1761 * 3600.0, 1e-9);
+  EXPECT_EQ(weather[direct_normal][10], 60.0);
+  EXPECT_EQ(weather[longwave_down][10], 260.0);
+  EXPECT_NEAR(weather[air_temperature][10], 274.15, 1e-9);
+  EXPECT_EQ(weather[pressure][10], 99870.0);
+  // The hour of sunlight around the image of 10:10 keeps its mean; the temperature holds at 10:00.
+  const auto series = make_series(weather, *file.place);
+  const double middle = weather.time_s[10] + weather.later_s;
+  EXPECT_NEAR(mean_over(series, global_horizontal, middle - 1800.0, middle + 1800.0), 50.0, 1e-9);
+  EXPECT_NEAR(value_at(series, air_temperature, weather.time_s[10]), 274.15, 1e-9);
+  const WeatherFile old = parse_weather(replaced(pvgis_text(), "Irradiance Time", "Some Time"), "a.csv");
+  EXPECT_EQ(old.weather.later_s, 0.0);
+  ASSERT_EQ(old.warnings.size(), 1u);
+  expect_says(old.warnings[0], {"irradiance time offset", "half an hour"});
+  expect_says(refusal(replaced(pvgis_text(), "Gb(n)", "Gb(i)")), {"inclined plane", "typical meteorological year"});
+  expect_says(refusal(replaced(pvgis_text(), "20180131:0500", "20180131 0500")), {"file:14: error:", "20160131:2300"});
+}
+
+TEST(WeatherFiles, AnUnknownFormatIsToldWhatIsRead) {
+  expect_says(refusal("Station;Date\n1;2\n"), {"file:1: error: none of the formats", "CSV (", "EPW (", "TMY2 (",
+                                               "TMY3 (", "SURFRAD (", "SAM CSV (NSRDB)", "PVGIS TMY ("});
+}
+
 // Greensboro: all 8760 hours; sums by another program, and the hour 15 July 12 to 13 h by hand.
 TEST(WeatherShared, Tmy3FileIsReadWhole) {
   const std::string path = shared_weather("723170TYA.CSV");
@@ -267,7 +351,8 @@ void expect_damage_read_or_refused(int rounds) {
     return static_cast<std::size_t>(state >> 33) % below;
   };
   int refused = 0, read = 0;
-  for (const std::string& good : {csv_text(12), epw_text(12), tmy3_text(12), surfrad_text(12)})
+  for (const std::string& good :
+       {csv_text(12), epw_text(12), tmy3_text(12), surfrad_text(12), tmy2_text(12), sam_text(12), pvgis_text(12)})
     for (int round = 0; round < rounds; ++round) {
       std::string text = good;
       for (std::size_t k = 0; k <= random(3); ++k) text[random(text.size())] = static_cast<char>(random(256));

@@ -78,4 +78,50 @@ inline std::string surfrad_text(int minutes = 60) {
   return text;
 }
 
+inline std::string tmy2_text(int hours = 48) {
+  std::string text = " 12839 MIAMI                  FL  -5 N 25 48 W  80 16     2\n";
+  for (int i = 0; i < hours; ++i) {
+    std::string row(142, '0');
+    const auto put = [&](std::size_t position, const std::string& cell) {
+      row.replace(position - 1, cell.size(), cell);
+    };
+    put(1, formatted(" %02d%2d%2d%2d", i < 24 ? 62 : 71, i < 24 ? 1 : 2, i < 24 ? 31 : 1, 1 + i % 24));
+    put(18, formatted("%4d", 5 * i));       // global
+    put(24, formatted("%4d", 6 * i));       // direct
+    put(30, formatted("%4d", 2 * i));       // diffuse
+    put(64, formatted("%2d", i % 11));      // opaque clouds, tenths
+    put(68, formatted("%4d", 3 * i - 20));  // tenths of a degree Celsius
+    put(80, " 60");                         // relative humidity
+    put(85, formatted("%4d", 1017));        // mbar
+    put(96, formatted("%3d", 31));          // tenths of m/s
+    text += row + "\r\n";
+  }
+  return text;
+}
+
+inline std::string sam_text(int records = 48, bool minutes = true) {
+  std::string text =
+      "Source,Location ID,Latitude,Longitude,Time Zone,Elevation,Local Time Zone,Temperature Units,Pressure Units,DNI "
+      "Units,Version\nNSRDB,401182,40.53,-108.54,-7,2168,-7,c,mbar,w/m2,v3.2.2\nYear,Month,Day,Hour,";
+  text += minutes ? "Minute,DHI,GHI,DNI,Dew Point,Surface Albedo,Wind Speed,Relative Humidity,Temperature,Pressure,,\n"
+                  : "DHI,GHI,DNI,Dew Point,Surface Albedo,Wind Speed,Relative Humidity,Temperature,Pressure\n";
+  for (int i = 0; i < records; ++i) {
+    text += formatted("2017,1,%d,%d", 1 + i / 24, i % 24) + (minutes ? ",30" : "");
+    text += formatted(",%d,%d,%d,-10.8,0.8,%.1f,60,%.1f,779%s\n", 2 * i, 5 * i, 6 * i, 0.1 * i, 0.3 * i - 2.0,
+                      minutes ? ",," : "");
+  }
+  return text;
+}
+
+inline std::string pvgis_text(int hours = 48) {
+  std::string text =
+      "Latitude (decimal degrees): 45.000\r\nLongitude (decimal degrees): 8.000\r\nElevation (m): 250.0\r\n"
+      "Irradiance Time Offset (h): 0.1761\r\nmonth,year\r\n1,2018\r\n2,2007\r\n"
+      "time(UTC),T2m,RH,G(h),Gb(n),Gd(h),IR(h),WS10m,WD10m,SP\r\n";
+  for (int i = 0; i < hours; ++i)
+    text += formatted("%s:%02d00,%.2f,60.0,%d.0,%d.0,%d.0,%.2f,0.75,257.0,99870.0\r\n",
+                      i < 24 ? "20180131" : "20070201", i % 24, 0.3 * i - 2.0, 5 * i, 6 * i, 2 * i, 250.0 + i);
+  return text + "\r\nT2m: 2-m air temperature (degree Celsius)\r\n\r\nPVGIS (c) European Union, 2001-2025\r\n";
+}
+
 }  // namespace apps::scene::test

@@ -65,6 +65,28 @@ TEST(CurveSamples, OfMeasuredEdges) {
   EXPECT_EQ(curves[1].sd, std::vector{0.02});
 }
 
+// Rows as the source of MTF Mapper 0.7 prints them: 5 columns, or 13 that comments name, then 64 samples.
+TEST(CurveSamples, OfMtfMapper) {
+  std::string samples;
+  for (int i = 0; i < 64; ++i) samples += std::to_string(1.0 - i / 64.0) + " ";
+  const auto row = [&](const std::string& columns) { return columns + samples + "\n"; };
+  std::string second = "# MTF Mapper SFR, output format version 2 \n";
+  for (int i = 1; i <= 13; ++i) second += "# column " + std::to_string(i) + ": a word\n";
+  second += row("0 412.5 33.25 4.9 10.1 90.0 80.0 100.0 50.0 60.0 5.0 7.9 101.2 ");
+  for (const std::string& text : {row("0 412.5 33.25 4.9 10.1 ") + row("0 412.5 99 4.9 10.1 "), second}) {
+    const auto curves = parse_curve_samples(text, "edge_sfr_values.txt");
+    ASSERT_EQ(curves.size(), text == second ? 1U : 2U);
+    EXPECT_EQ(curves[0].name, "edge at 412.5,33.25");
+    EXPECT_EQ(curves[0].unit->name, "cy/px");
+    ASSERT_EQ(curves[0].frequency.size(), 63U);
+    for (std::size_t i = 0; i < 63; ++i) {
+      EXPECT_DOUBLE_EQ(curves[0].frequency[i], static_cast<double>(i + 1) / 64.0);
+      EXPECT_NEAR(curves[0].mtf[i], 1.0 - static_cast<double>(i + 1) / 64.0, 5e-7);  // printed to six places
+    }
+  }
+  expect_says(refusal(second + "0 1 2 3\n"), {"c.csv:16:", "13 columns"});
+}
+
 TEST(CurveSamples, WhatIsWrongIsSaid) {
   expect_says(refusal("edge,curve,x,value,sd\n1,mtf,0,1,0\n"), {"no sample"});
   expect_says(refusal("edge,curve,x,value,sd\n1,mtf,nan,1,0.1\n"), {"c.csv:2: \"nan\""});

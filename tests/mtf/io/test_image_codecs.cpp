@@ -232,14 +232,18 @@ TEST(Codecs, TiffKinds) {
   check("uint16", 1, true);
   write_tiff(path, 16, 16, 1, SAMPLEFORMAT_IEEEFP, counting<float>(256), 1, 16);
   check("float", 1, false);
+  write_tiff(path, 7, 5, 1, SAMPLEFORMAT_INT, counting<std::int8_t>(35));
+  check("int8", 1, true);
+  write_tiff(path, 7, 5, 3, SAMPLEFORMAT_INT, counting<std::int16_t>(105));
+  check("int16", 3, true);
 }
 
 TEST(Codecs, TiffKindsThatAreNotRead) {
   const TempFolder folder;
   const std::string path = folder / "a.tif";
   const auto message = [&] { return message_of<RuntimeError>([&] { mtf::io::read_image(path); }); };
-  write_tiff(path, 7, 5, 1, SAMPLEFORMAT_INT, counting<std::int16_t>(35));
-  expect_says(message(), {"signed 16-bit"});
+  write_tiff(path, 7, 5, 1, SAMPLEFORMAT_INT, counting<std::int32_t>(35));
+  expect_says(message(), {"signed 32-bit"});
   write_tiff(path, 7, 5, 1, SAMPLEFORMAT_UINT, counting<std::uint32_t>(35));
   expect_says(message(), {"32-bit"});
   write_tiff(path, 7, 5, 1, SAMPLEFORMAT_UINT, counting<std::uint8_t>(35), 1, 0, PHOTOMETRIC_MINISWHITE);

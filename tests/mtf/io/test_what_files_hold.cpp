@@ -128,7 +128,12 @@ TEST_F(TiffHolds, PagesAreCountedAndPreviewsAndMasksRefused) {
   EXPECT_TRUE(says(mtf::io::read_info(path).notes, "page 1 of 2"));
   write({full});
   EXPECT_TRUE(mtf::io::read_info(path).notes.empty());
+  expect_says(message_of([&] { mtf::io::read_image(path, {.channel = {}, .layer = {}, .part = 1}); }),
+              {"page 2 of a TIFF of 1 page"});
   write({small, full});
+  const ImageFile second = mtf::io::read_image(path, {.channel = {}, .layer = {}, .part = 1});
+  EXPECT_EQ(second.info.width, 16);
+  EXPECT_TRUE(says(second.info.notes, "page 2 of 2"));
   expect_refused({"8 x 6 pixels", "16 x 12 pixels", "page 2", "tiffcp"});
   write({full, {.width = 16, .height = 12, .kind = FILETYPE_MASK}});
   expect_refused({"page 2", "mask of the pixels", "NaN"});
@@ -297,8 +302,8 @@ TEST_F(JpegHolds, OrientationRawCountsAndFurtherImages) {
   const std::string tiff("MM\0*\0\0\0\x08\0\1\x01\x12\0\3\0\0\0\1\0\3\0\0\0\0\0\0", 26);
   EXPECT_TRUE(says(read(segment(0xe1, std::string("Exif\0\0", 6) + tiff)).notes, "Exif 3"));
   const FileInfo flir =
-      read(segment(0xe1, std::string("FLIR\0\1\0\1", 8)) + segment(0xe1, std::string("FLIR\0\1\1\1", 8)));
-  EXPECT_TRUE(says(flir.notes, "counts of a FLIR"));
+      read(segment(0xe1, std::string("FLIR\0\1\0\1FFF", 11)) + segment(0xe1, std::string("FLIR\0\1\1\1", 8)));
+  EXPECT_TRUE(says(flir.notes, "counts of a thermal camera"));
   EXPECT_EQ(flir.notes.size(), 1U);
   const std::string index("II*\0\x08\0\0\0\1\0\x01\xb0\4\0\1\0\0\0\3\0\0\0\0\0\0\0", 26);
   EXPECT_TRUE(says(read(segment(0xe2, std::string("MPF\0", 4) + index)).notes, "of 3 images (MPF)"));
