@@ -82,6 +82,10 @@ class FieldTables::ComponentsAt {
     }
     return product;
   }
+  bool is_radial() const {
+    return std::ranges::all_of(
+        entries_, [&](const Entry<double>& entry) { return entry.component.traits(here_.context()).radial; });
+  }
 
  private:
   System<double> here_;
@@ -291,7 +295,7 @@ std::vector<FieldTables::Share> FieldTables::shares_at(double radius) const {
 PolarTable FieldTables::table_of(const ComponentsAt& part, double target) {
   const PolarTable::Function h = [&part](const Freq<double>& f) { return part.otf(f); };
   const auto most = static_cast<std::int64_t>(kMostInAll / (wavelengths_ * kSomePlaces));
-  PolarTable table(h, PolarTable::rings_of(h, options_.threads), breaks_, target,
+  PolarTable table(h, PolarTable::rings_of(h, options_.threads, part.is_radial()), breaks_, target,
                    std::clamp(most, kFewValues, kMostValues), options_.threads);
   values_ += table.evaluations();
   if (options_.progress) options_.progress(table.evaluations());

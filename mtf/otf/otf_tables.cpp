@@ -178,7 +178,16 @@ PolarTable::PolarTable(const Function& h, const Rings& rings, std::vector<double
   }
 }
 
-PolarTable::Rings PolarTable::rings_of(Function h, int threads) {
+PolarTable::Rings PolarTable::rings_of(Function h, int threads, bool radial) {
+  if (radial)
+    return [h = std::move(h), threads](std::span<const double> r, std::size_t spokes, std::span<Cplx> rows) {
+      std::ranges::fill(rows, Cplx{});
+      parallel_for(std::ssize(r), 8, threads, [&](std::int64_t first, std::int64_t last) {
+        for (auto i = static_cast<std::size_t>(first); i < static_cast<std::size_t>(last); ++i)
+          rows[i * (spokes / 2)] = h({r[i], 0.0}).re;
+      });
+      return std::ssize(r);
+    };
   // H(r, a + pi) = conj H(r, a): half of the spokes. With H = A + i B the series of A has even orders, that of B odd
   // ones: c_m exp(i m a) below is the part of A (m even) or of B (m odd) whose real part counts.
   return [h = std::move(h), threads](std::span<const double> r, std::size_t spokes, std::span<Cplx> rows) {

@@ -62,8 +62,8 @@ class PolarTable {
   /// an OTF that took.
   using Rings =
       std::function<std::int64_t(std::span<const double> r, std::size_t spokes, std::span<std::complex<double>> rows)>;
-  /// The series of a function that is evaluated on `threads` (0 = all cores).
-  static Rings rings_of(Function h, int threads);
+  /// The series of a function that is evaluated on `threads` (0 = all cores); of a `radial` one in one direction.
+  static Rings rings_of(Function h, int threads, bool radial = false);
 
   /// `breaks`: radii in rising order between which H is smooth, the last being the table's end; beyond it H is 0.
   /// The table is refined until it meets the target at points in between, or until the next step would take more than

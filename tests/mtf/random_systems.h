@@ -8,19 +8,20 @@
 #include <complex>
 #include <map>
 
+#include "mtf/field/sample_ranges.h"
 #include "tests/mtf/conformance.h"
 
 namespace mtf::test {
 
 /// The conformance cases, kind by kind, without those that are slow: pupils by quadrature at the ends of their box cost
-/// milliseconds a value.
+/// milliseconds a value. Nor those that are out of focus by the range of each sample: plans of these take ranges.
 inline const std::vector<std::vector<const Case*>>& quick_cases_by_kind() {
   static const std::vector<std::vector<const Case*>> by_kind = [] {
     std::map<std::string_view, std::vector<const Case*>> groups;
     for (const Case& c : conformance_cases()) {
       const Component<double>& component = only_component(c.system);
       const bool slow = component.is_slow() && !c.typical;
-      if (!slow) groups[component.kind()].push_back(&c);
+      if (!slow && !entry_by_range(c.system)) groups[component.kind()].push_back(&c);
     }
     std::vector<std::vector<const Case*>> list;
     for (auto& [kind, group] : groups) list.push_back(std::move(group));
