@@ -98,7 +98,7 @@ def test_both_orders_of_bytes_and_frames_of_a_sequence(tmp_path):
     assert np.array_equal(mk.read(path).plane("counts"), counts())
     path.write_bytes(jpeg(fff(counts(), ">", as_png=True)))  # as most cameras have it
     assert np.array_equal(mk.read(path, channel="counts").plane("counts"), counts())
-    assert mk.read(path).names == ["Y"] and mk.read(path).height == 8
+    assert mk.read(path).names == ["Y"] and mk.read(path).plane("Y").shape[0] == 8
     path.write_bytes(b"".join(fff(counts(frame), as_png=frame == 1) for frame in range(3)) + b"rest")
     for frame in range(3):
         assert np.array_equal(mk.read(path, part=frame).plane("counts"), counts(frame))

@@ -45,6 +45,6 @@ def test_pages_of_a_file(tmp_path):
     pages[0].save(tmp_path / "a.tif", save_all=True, append_images=pages[1:])
     for page in range(3):
         image = mk.read(tmp_path / "a.tif", part=page)
-        assert image.width == COLUMNS + page and np.all(image.plane("Y") == 100 * page)
+        assert image.plane("Y").shape == (ROWS, COLUMNS + page) and np.all(image.plane("Y") == 100 * page)
     with pytest.raises(mk.DataError, match="page 4 of a TIFF of 3 pages"):
         mk.read(tmp_path / "a.tif", part=3)
