@@ -102,5 +102,5 @@ def test_both_orders_of_bytes_and_frames_of_a_sequence(tmp_path):
     path.write_bytes(b"".join(fff(counts(frame), as_png=frame == 1) for frame in range(3)) + b"rest")
     for frame in range(3):
         assert np.array_equal(mk.read(path, part=frame).plane("counts"), counts(frame))
-    with pytest.raises(mk.UsageError, match="--part"):
+    with pytest.raises(mk.UsageError, match="part N"):
         mk.read(path)
