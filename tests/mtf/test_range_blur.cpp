@@ -150,7 +150,7 @@ TEST(RangeBlur, EachSampleSpreadsByItsOwnDefocus) {
     const std::vector<double> slow = definition(s, scene, range_m, in, out, Border::reflect);
     const double std = summarise(scene.view(), Border::reflect, 0.0)->std;
     double before = 1e300;
-    for (const double tolerance : {1e-1, 1e-2, 1e-3, 1e-4, 1e-5}) {
+    for (const double tolerance : {1e-2, 1e-4}) {
       const auto [plan, asked] = planned(s, in, out, options_with(scene, range_m, tolerance));
       const double promised = plan.report().predicted.total(), realised = rms_distance(run(plan, scene), slow) / std;
       EXPECT_LE(promised, asked);
@@ -338,7 +338,11 @@ void keeps_its_promise(unsigned seed) {
 }
 
 TEST(RangeBlur, RandomCasesKeepTheirPromise) {
-  for (unsigned seed = 1; seed <= 30; ++seed) keeps_its_promise(seed);
+  for (unsigned seed = 1; seed <= 12; ++seed) keeps_its_promise(seed);
+}
+
+TEST(RangeBlurLong, RandomCasesKeepTheirPromise) {
+  for (unsigned seed = 13; seed <= 60; ++seed) keeps_its_promise(seed);
 }
 
 TEST(RangeBlur, FiltersAfterTheSamplingStayWhatTheyAre) {
