@@ -292,6 +292,12 @@ System<double> with_field_radius(System<double> system, const SampleGrid& out) {
   return system;
 }
 
+std::array<double, 2> detector_um(const Frame<double>& frame, const SampleGrid& detector) {
+  if (frame.columns > 0 && frame.rows > 0) return {frame.columns * frame.pitch_x_um, frame.rows * frame.pitch_y_um};
+  return {static_cast<double>(detector.width) * detector.step_x_um,
+          static_cast<double>(detector.height) * detector.step_y_um};
+}
+
 FieldModes::FieldModes(const System<double>& given, const SampleGrid& in, const SampleGrid& out,
                        const FieldModesOptions& options) {
   const System<double> system = with_field_radius(given, out);
@@ -300,9 +306,7 @@ FieldModes::FieldModes(const System<double>& given, const SampleGrid& in, const 
   const auto axis = [radius](std::int64_t count, double step_um, double size_um, double axis_um) {
     return Line{(0.5 * step_um - 0.5 * size_um - axis_um) / radius, step_um / radius, count};
   };
-  const bool known = frame.columns > 0 && frame.rows > 0;
-  const double width = known ? frame.columns * frame.pitch_x_um : static_cast<double>(out.width) * out.step_x_um,
-               height = known ? frame.rows * frame.pitch_y_um : static_cast<double>(out.height) * out.step_y_um;
+  const auto [width, height] = detector_um(frame, out);
   x_ = axis(out.width, out.step_x_um, width, system.field.axis_x_px * frame.pitch_x_um);
   y_ = axis(out.height, out.step_y_um, height, system.field.axis_y_px * frame.pitch_y_um);
   for (std::size_t i = 0; i < kProbes; ++i) {
@@ -430,11 +434,12 @@ bool FieldModes::make(FieldTables& tables, const Frequencies& at, const Rms& rms
     }
   std::stable_sort(modes.begin(), modes.end(), [](const Mode& a, const Mode& b) { return a.power > b.power; });
   while (modes.size() > 1 && !(modes.back().power > kNoise * kNoise * modes.front().power)) modes.pop_back();
-  const AxisBasis in_x(n), in_y(rows);
-  if (tables.is_parted())
+  if (tables.is_parted()) {
     project(modes, tables, at, some, options.threads);
-  else
+  } else {
+    const AxisBasis in_x(n), in_y(rows);
     for (Mode& mode : modes) complete(mode, in_x, in_y, probes_);
+  }
 
   // What it costs to leave modes out, from the least on, or all of them and the mean as well.
   const Index grid = modes.empty() ? 1 : modes.front().everywhere.size();

@@ -30,6 +30,9 @@
 
 namespace mtf {
 
+/// Width and height of the detector: of the frame's format, else of the grid.
+std::array<double, 2> detector_um(const Frame<double>& frame, const SampleGrid& detector);
+
 struct FieldModesOptions {
   SceneAperture aperture{};
   double table_error = 1e-7;  ///< that the table of one OTF should keep

@@ -6,6 +6,7 @@
 
 #include "mtf/components/defocus.h"
 #include "mtf/error.h"
+#include "mtf/field/field_modes.h"
 #include "mtf/words.h"
 
 namespace mtf {
@@ -38,9 +39,7 @@ SampleRanges sample_ranges(const System<double>& system, const SampleGrid& in, c
     throw UsageError("the ranges (channel Z) are " + size_text(range_m.width, range_m.height) + ", the scene is " +
                      size_text(in.width, in.height) + "; give each sample its own");
   const Frame<double>& frame = system.frame;
-  const bool known = frame.columns > 0 && frame.rows > 0;
-  const double width_um = known ? frame.columns * frame.pitch_x_um : static_cast<double>(out.width) * out.step_x_um,
-               height_um = known ? frame.rows * frame.pitch_y_um : static_cast<double>(out.height) * out.step_y_um;
+  const auto [width_um, height_um] = detector_um(frame, out);
   const double axis_x_um = 0.5 * width_um + system.field.axis_x_px * frame.pitch_x_um,
                axis_y_um = 0.5 * height_um + system.field.axis_y_px * frame.pitch_y_um;
   const double focal_um = 1e3 * frame.focal_length_mm;
