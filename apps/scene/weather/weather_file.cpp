@@ -79,9 +79,7 @@ WeatherFile parse_epw(std::string_view text, const std::string& source, const We
     const int hour = record.whole(3, "hour"), minute = record.whole(4, "minute");
     const HourStamp stamp{record.whole(0, "year"), record.whole(1, "month"), record.whole(2, "day"),
                           3600.0 * (hour - 1) + 60.0 * (minute == 0 ? 60 : minute)};
-    // Year 2000 has every day that any year has.
-    if (!radiometry::heat::is_date({2000, stamp.month, stamp.day}) || hour < 1 || hour > 24 || minute < 0 ||
-        minute > 60)
+    if (!is_day(stamp.month, stamp.day) || hour < 1 || hour > 24 || minute < 0 || minute > 60)
       record.fail("no such date or hour; hours are from 1 to 24");
     stamps.push_back(stamp);
     all.line.push_back(line);
@@ -125,10 +123,9 @@ HourStamp stamp_of(const RecordCells& record) {
   };
   const auto month = part(date, 0, 2), day = part(date, 3, 2), year = part(date, 6, 4), hour = part(time, 0, 2),
              minute = part(time, 3, 2);
-  // Year 2000 has every day that any year has.
   const bool good = month && day && year && hour && minute && date.size() == 10 && time.size() == 5 && date[2] == '/' &&
-                    date[5] == '/' && time[2] == ':' && radiometry::heat::is_date({2000, *month, *day}) && *hour >= 0 &&
-                    *minute >= 0 && *minute < 60 && 60 * *hour + *minute <= 24 * 60;
+                    date[5] == '/' && time[2] == ':' && is_day(*month, *day) && *hour >= 0 && *minute >= 0 &&
+                    *minute < 60 && 60 * *hour + *minute <= 24 * 60;
   if (!good)
     record.fail("\"" + mtf::printable(date, 20) + " " + mtf::printable(time, 20) +
                 "\" is no date and time; they are like 01/31/1988 and 24:00");
@@ -210,18 +207,6 @@ constexpr std::array kSurfradColumns{SurfradColumn{global_horizontal, 8, 1.0, 0.
                                      SurfradColumn{pressure, 46, 100.0, 0.0}};
 constexpr std::size_t kSurfradHumidityCell = 40;
 
-/// Cells that blanks separate.
-std::vector<std::string_view> words_of(std::string_view row) {
-  constexpr std::string_view blanks = " \t\r";
-  std::vector<std::string_view> words;
-  for (std::size_t at = row.find_first_not_of(blanks); at != std::string_view::npos;) {
-    const std::size_t end = std::min(row.find_first_of(blanks, at), row.size());
-    words.push_back(row.substr(at, end - at));
-    at = row.find_first_not_of(blanks, end);
-  }
-  return words;
-}
-
 WeatherFile parse_surfrad(std::string_view text, const std::string& source, const WeatherRequest& request) {
   WeatherFile file;
   file.format = WeatherFormat::surfrad;
@@ -229,7 +214,7 @@ WeatherFile parse_surfrad(std::string_view text, const std::string& source, cons
   weather.source = source;
   weather.stamp = stamp_of(request, Stamp::end, file, source);
   mtf::io::take_text_line(text);
-  const auto station = words_of(mtf::io::take_text_line(text));
+  const auto station = mtf::io::split_words(mtf::io::take_text_line(text));
   const RecordCells head(source, 2, station);
   if (station.size() < 3) head.fail("the line has to state latitude, longitude and altitude");
   file.place =
@@ -237,7 +222,7 @@ WeatherFile parse_surfrad(std::string_view text, const std::string& source, cons
 
   std::size_t flagged = 0;
   for (std::size_t line = 3; !text.empty(); ++line) {
-    const auto cells = words_of(mtf::io::take_text_line(text));
+    const auto cells = mtf::io::split_words(mtf::io::take_text_line(text));
     if (cells.empty()) continue;
     const RecordCells record(source, line, cells);
     if (cells.size() != kSurfradCells)
@@ -328,8 +313,7 @@ WeatherFile parse_tmy2(std::string_view text, const std::string& source, const W
       record.fail(std::to_string(size) + " characters, " + std::to_string(kTmy2Characters) + " are needed");
     const HourStamp stamp{1900 + record.whole(0, "year"), record.whole(1, "month"), record.whole(2, "day"),
                           3600.0 * record.whole(3, "hour")};
-    // Year 2000 has every day that any year has.
-    if (!radiometry::heat::is_date({2000, stamp.month, stamp.day}) || stamp.seconds < 3600.0 || stamp.seconds > 86400.0)
+    if (!is_day(stamp.month, stamp.day) || stamp.seconds < 3600.0 || stamp.seconds > 86400.0)
       record.fail("no such date or hour; hours are from 1 to 24");
     stamps.push_back(stamp);
     all.line.push_back(line);

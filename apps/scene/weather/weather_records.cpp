@@ -15,6 +15,8 @@ using radiometry::heat::Stamp;
 using radiometry::heat::Weather;
 using enum radiometry::heat::WeatherQuantity;
 
+bool is_day(int month, int day) { return radiometry::heat::is_date({2000, month, day}); }
+
 void finish_hours(Weather&& records, const std::vector<HourStamp>& stamps, double zone_h, int year, WeatherFile& file) {
   if (stamps.empty()) throw mtf::UsageError(records.source + ": error: the file has no records");
   const bool typical = std::ranges::any_of(stamps, [&](const HourStamp& s) { return s.year != stamps.front().year; });

@@ -56,6 +56,9 @@ struct HourStamp {
   double seconds = 0.0;  ///< of the day
 };
 
+/// Whether some year has that day, as that of a typical year is not known: the year 2000 has every day.
+bool is_day(int month, int day);
+
 /// Gives the records their times in UTC and puts them, checked, into `file`. Where their years differ they are of a
 /// typical year and become those of `year`; the 29th of February is left out, with a warning, where that one has none.
 void finish_hours(radiometry::heat::Weather&& records, const std::vector<HourStamp>& stamps, double zone_h, int year,

@@ -133,8 +133,7 @@ std::vector<std::string_view> next_cells(std::string_view& text) {
 }
 
 HourStamp checked_stamp(const RecordCells& record, int year, int month, int day, int hour, int minute) {
-  // Year 2000 has every day that any year has.
-  if (!radiometry::heat::is_date({2000, month, day}) || hour < 0 || hour > 23 || minute < 0 || minute > 59)
+  if (!is_day(month, day) || hour < 0 || hour > 23 || minute < 0 || minute > 59)
     record.fail("no such date or time; hours are from 0 to 23");
   return {year, month, day, 3600.0 * hour + 60.0 * minute};
 }

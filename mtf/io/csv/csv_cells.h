@@ -40,6 +40,17 @@ inline std::vector<std::string_view> split_cells(std::string_view line, char sep
   return cells;
 }
 
+/// Words of a line, between any number of these.
+inline std::vector<std::string_view> split_words(std::string_view line, std::string_view between = " \t\r") {
+  std::vector<std::string_view> words;
+  for (std::size_t at = line.find_first_not_of(between); at != std::string_view::npos;) {
+    const std::size_t end = std::min(line.find_first_of(between, at), line.size());
+    words.push_back(line.substr(at, end - at));
+    at = line.find_first_not_of(between, end);
+  }
+  return words;
+}
+
 /// Text as a cell that is written, in quotes where it has to be.
 inline std::string csv_field(std::string_view text) {
   if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);

@@ -115,13 +115,6 @@ std::string read_whole(const std::string& path, std::size_t limit, bool text_bel
 constexpr std::size_t kMaxSampleColumns = 256;
 constexpr std::size_t kMapperSamples = 64;
 
-std::vector<std::string_view> split_words(std::string_view line) {
-  std::vector<std::string_view> words;
-  for (const std::string_view cell : split_cells(line, ' ', kMaxSampleColumns))
-    if (!cell.empty()) words.push_back(cell);
-  return words;
-}
-
 /// The file's rows as cells, with what messages call each.
 struct Table {
   std::vector<std::string_view> header;

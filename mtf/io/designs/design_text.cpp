@@ -70,14 +70,10 @@ DesignText read_design_text(const std::string& path) {
 }
 
 std::vector<std::string> design_words(std::string_view line) {
-  constexpr std::string_view between = " \t()[]:=|;";
   std::vector<std::string> words;
-  for (std::size_t at = line.find_first_not_of(between); at != std::string_view::npos;) {
-    const std::size_t end = std::min(line.find_first_of(between, at), line.size());
-    std::string_view word = line.substr(at, end - at);
+  for (std::string_view word : split_words(line, " \t()[]:=|;")) {
     while (word.ends_with(',') || word.ends_with('.')) word.remove_suffix(1);
     if (!word.empty()) words.emplace_back(word);
-    at = line.find_first_not_of(between, end);
   }
   return words;
 }
