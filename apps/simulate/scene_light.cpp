@@ -179,7 +179,8 @@ class Converter {
   /// The file of a camera says what its counts are; each key of the sensor file comes first.
   void take_stated(const mtf::io::SensorConfig& config, const mtf::io::Scene& scene) {
     std::string left_out;
-    if (const auto stated = stated_camera(scene.info.attributes)) {
+    const auto stated = stated_camera(scene.info.attributes);
+    if (stated) {
       assumed_ = stated->assumed;
       if (!counts_) counts_ = stated->camera;
       const mtf::SettingsTable* table = find_table(config.tables, "scene");
@@ -196,7 +197,7 @@ class Converter {
     }
     assumed_.emissivity = scene_.emissivity.number;
     assumed_.reflected_k = scene_.surroundings_k.value_or(0.0);
-    if (stated_camera(scene.info.attributes))
+    if (stated)
       note_ = "counts are temperatures by " +
               std::string(settings_.counts ? "[camera_counts]" : "the constants of the camera in the file") + " with " +
               thermometry_words(assumed_) +

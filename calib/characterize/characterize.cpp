@@ -201,15 +201,14 @@ void Analysis::find_planes() {
     dark_ = squares_of(dark->sums.pattern, 0);
     response_ = squares_of(lit, trend_.degree);
   }
-  const std::set<std::int64_t>& restless = without;
-  defects_ = defect_sums(dark_, bright != nullptr ? &response_ : nullptr, signal, restless);
+  defects_ = defect_sums(dark_, bright != nullptr ? &response_ : nullptr, signal, without);
   own_charge_ = 1.0 - 4.0 * (side + corner);
   defects_.mean /= own_charge_;
   // What hot pixels add grows with the exposure, or does not: of several exposures it is left where it is.
   hot_changes_ = options_.counts_time && exposures_differ(result_.stacks);
   if (hot_changes_) defects_.mean = 0.0, defects_.with_noise.clear();
   const auto columns = static_cast<std::int64_t>(dark_.columns);
-  for (const std::int64_t place : restless)  // and what crosstalk gives their neighbours
+  for (const std::int64_t place : without)  // and what crosstalk gives their neighbours
     for (const std::int64_t away : {std::int64_t{0}, -columns, std::int64_t{-1}, std::int64_t{1}, columns})
       if (away == 0 || side > 0.0) defects_.with_noise.insert(place + away);
   for (Stack& stack : result_.stacks) {

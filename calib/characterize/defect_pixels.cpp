@@ -116,12 +116,16 @@ double BlinkingPixels::explained() const {
   return rest + n * std::exp(noise.least / above) * all / looked_at;
 }
 
+double BlinkingPixels::squares() const {
+  double sum = 0.0;
+  for (const BlinkingPixel& pixel : noise.pixels) sum += squared(pixel.excess);
+  return sum;
+}
+
 Estimate BlinkingPixels::unseen(double n) const {
   const double part = (1.0 - noise.seen) / noise.seen, number = part * static_cast<double>(noise.pixels.size());
   if (!found() || !(part > 0.0)) return {};
-  double squares = 0.0;
-  for (const BlinkingPixel& pixel : noise.pixels) squares += pixel.excess * pixel.excess;
-  const double variance = squares * part / looked_at * (0.25 - noise.share_variance(n)) * n / (n - 1.0);
+  const double variance = squares() * part / looked_at * (0.25 - noise.share_variance(n)) * n / (n - 1.0);
   // The squares of exponential numbers scatter by 5 of their mean square, those of few frames by as much once more.
   return {variance, variance * std::sqrt(12.0 / std::max(1.0, number))};
 }
@@ -133,9 +137,7 @@ double BlinkingPixels::slowness() const {
 
 double BlinkingPixels::mean_variance(double n, double pixels) const {
   if (!found()) return 0.0;
-  double squares = 0.0;
-  for (const BlinkingPixel& pixel : noise.pixels) squares += pixel.excess * pixel.excess;
-  return squares / noise.seen * noise.share_variance(n) / (looked_at * pixels);
+  return squares() / noise.seen * noise.share_variance(n) / (looked_at * pixels);
 }
 
 BlinkingPixels blinking_pixels(const StackSummary& dark, const PlaneSquares& plane, double shot, double side) {

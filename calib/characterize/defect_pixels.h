@@ -41,6 +41,8 @@ struct BlinkingPixels {
   bool known = false;                 ///< whether pixels blink: the stack is long enough, and was read twice
   /// They are enough to tell the numbers of all.
   bool found() const { return known && noise.pixels.size() >= 5 && noise.change.sd > 0.0; }
+  /// Sum of the squares of the excesses.
+  double squares() const;
   /// How many noisy pixels blink or have the noise of their signal.
   double explained() const;
   /// What those that do not change in the dark stack, of n frames each, add to the variance of pixels in others.
