@@ -58,8 +58,10 @@ int run_check(const CheckOptions& options, const Global& global) {
   const check::Tables tables = options.reference.empty() ? check::Tables() : check::Tables(options.reference);
   std::vector<CheckResult> results;
   std::size_t failed = 0;
+  mtf::DeviceChoice device = device_of(options.device, global);
+  device.insisted = true;  // the processor is not to take over
   std::int64_t values = 0;
-  for (const check::Check& each : check::all_checks()) {
+  for (const check::Check& each : check::all_checks(device)) {
     results.push_back(run(each, tables));
     failed += results.back().passed ? 0U : 1U;
     values += results.back().count;

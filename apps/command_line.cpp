@@ -111,6 +111,15 @@ void add_force(Command& command, bool& force) {
   add_flag(command, "--force", "write into a folder that is not empty", force);
 }
 
+void add_device(Command& command, std::string& device) {
+  add_text(
+      command, "--device", "WORD",
+      "what may filter images: cpu (default), auto (a device where there is one that is admitted), or the id or a\n"
+      "part of the name of one (mtf devices). The plan takes it where that is faster (--explain)",
+      device)
+      .candidates = one_of({"cpu", "auto"});
+}
+
 void add_channel_choice(Command& command, mtf::io::ReadOptions& read) {
   add_text(command, "--channel", "NAME", "the channel to use, by its full name", [&](const std::string& text) {
     read.channel = text;

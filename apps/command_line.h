@@ -102,6 +102,7 @@ inline constexpr auto kFormats = enumerated<Format>("table", "csv", "json");
 inline constexpr std::array kTableOrJson{kFormats[0], kFormats[2]};
 void add_format(Command& command, const std::string& doc, Format& format);
 void add_force(Command& command, bool& force);
+void add_device(Command& command, std::string& device);
 /// --channel, --layer and --part.
 void add_channel_choice(Command& command, mtf::io::ReadOptions& read);
 

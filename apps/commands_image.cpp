@@ -13,15 +13,6 @@ constexpr auto kRigor = enumerated<bool>("estimate", "measure");
 constexpr Choices<bool, 2> kResume{{{"auto", true}, {"no", false}}};
 constexpr auto kOutputStages = enumerated<radiometry::OutputStage>(radiometry::kOutputStageNames);
 
-void add_device(Command& app, std::string& device) {
-  add_text(
-      app, "--device", "WORD",
-      "what may filter images: cpu (default), auto (a device where there is one that is admitted), or the id or a\n"
-      "part of the name of one (mtf devices). The plan takes it where that is faster (--explain)",
-      device)
-      .candidates = one_of({"cpu", "auto"});
-}
-
 int run_any_bench(const BenchOptions& options, const Global& global) {
   const bool pictures = options.scene.ends_with(".toml");
   if (!pictures && (!options.temperatures.empty() || options.position || options.look_at))

@@ -191,6 +191,7 @@ Command fly_command() {
             options.image.tolerance, fraction());
   add_value(app, "--range", "LOW:HIGH", "values that are black and white in PNG and TIFF", options.image.range,
             number_range);
+  add_device(app, options.device);
   add_choice(app, "--format", "FORMAT", "of standard output: table (default) or json", kTableOrJson, options.format);
   add_value(app, "--light-every", "S",
             "advanced: of the scene's clock, for which the light of sky, sun and surfaces is kept; default 60",
@@ -286,6 +287,7 @@ Command live_command() {
            options.time);
   add_flag(app, "--no-air", "of a 3-D scene surfaces alone, for sensors that bring a path of their own",
            options.no_air);
+  add_device(app, options.device);
   add_value(app, "--port", "N", "port on 127.0.0.1; default: one that is free", options.port, whole(1, 65535));
   add_flag(app, "--no-browser", "print the address only", options.no_browser);
   add_flag(app, "--stay", "go on when no page is open; else it ends a minute after the last one", options.stay);

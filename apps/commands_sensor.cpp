@@ -242,6 +242,9 @@ Command check_command() {
   auto& options = options_of<CheckOptions>(app, run_check);
   add_text(app, "--reference", "FOLDER", "check against your own tables: CSV files named and laid out as the built-in",
            options.reference);
+  add_text(app, "--device", "WORD",
+           "check that device alone (an id or a part of a name of mtf devices, or auto): plans that filter on it",
+           options.device);
   add_format(app, "table (default), csv or json", options.format);
   add_text(app, "-o,--out", "FILE", "write the results here instead of standard output", options.out);
   return app;

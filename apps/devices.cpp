@@ -29,6 +29,12 @@ TestedDevice tested(const mtf::DeviceInfo& info) {
   }
 }
 
+std::vector<TestedDevice> all_tested(const mtf::DeviceList& found) {
+  std::vector<TestedDevice> list;
+  for (const mtf::DeviceInfo& info : found.devices) list.push_back(tested(info));
+  return list;
+}
+
 /// Gigabytes a second of a transfer that takes so many nanoseconds a byte.
 std::string speed_text(double ns) { return ns > 0.0 ? fixed(1.0 / ns, 1) : ""; }
 
@@ -74,11 +80,25 @@ std::string devices_json(const std::vector<TestedDevice>& list, const std::vecto
 
 }  // namespace
 
-int run_devices(const DevicesOptions& options, const Global&) {
+mtf::DeviceChoice device_of(const std::string& word, const Global& global) {
+  std::string told;
+  mtf::DeviceChoice choice = mtf::choose_device(word, told);
+  if (!told.empty()) note(global, "note: " + one_line(told));
+  return choice;
+}
+
+std::string devices_report() {
   const mtf::DeviceList found = mtf::devices();
-  std::vector<TestedDevice> list;
-  for (const mtf::DeviceInfo& info : found.devices) list.push_back(tested(info));
-  print(options.format == Format::json ? devices_json(list, found.notes) : devices_table(list, found.notes));
+  return devices_json(all_tested(found), found.notes);
+}
+
+int run_devices(const DevicesOptions& options, const Global&) {
+  if (options.format == Format::json) {
+    print(devices_report());
+    return 0;
+  }
+  const mtf::DeviceList found = mtf::devices();
+  print(devices_table(all_tested(found), found.notes));
   return 0;
 }
 

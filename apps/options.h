@@ -82,6 +82,7 @@ struct LiveOptions {
   mtf::io::ReadOptions read;  ///< which channels of the image
   std::optional<double> tolerance;
   NanPolicy nan = NanPolicy::refuse;
+  std::string device = "cpu";
   int port = 0;             ///< 0 = any free one
   bool no_browser = false;  ///< else opened where there is a desktop
   bool stay = false;        ///< without a page too
@@ -181,6 +182,7 @@ struct FitOptions {
 
 struct CheckOptions {
   std::string reference;  ///< folder of tables to use in place of the built-in ones; "" = none
+  std::string device = "cpu";
   Format format = Format::table;
   std::string out;  ///< "" = stdout
 };
@@ -247,6 +249,10 @@ struct HeatCommandOptions {
 
 int run_curve(const CurveOptions& options, const Global& global);
 int run_devices(const DevicesOptions& options, const Global& global);
+/// All devices, each opened and tested, as JSON: what `mtf devices --format json` prints.
+std::string devices_report();
+/// The device that --device names; says why "auto" finds none. Throws as mtf::choose_device.
+mtf::DeviceChoice device_of(const std::string& word, const Global& global);
 int run_info(const InfoOptions& options, const Global& global);
 int run_config(const ConfigOptions& options, const Global& global);
 int run_simulate(const SimulateCommandOptions& options, const Global& global);

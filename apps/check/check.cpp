@@ -64,11 +64,13 @@ void Tally::error(long double error, long double scale, long double allowed, std
                mtf::format_double(static_cast<double>(allowed)) + " is allowed";
 }
 
-std::vector<Check> all_checks() {
+std::vector<Check> all_checks(const mtf::DeviceChoice& device) {
+  if (device.device) return engine_checks(device);
   std::vector<Check> all;
   for (const auto family : {special_checks, pupil_checks, aberration_checks, turbulence_checks, motion_checks,
-                            component_checks, engine_checks, radiometry_checks})
+                            component_checks, radiometry_checks})
     for (Check& check : family()) all.push_back(std::move(check));
+  for (Check& check : engine_checks()) all.push_back(std::move(check));
   return all;
 }
 

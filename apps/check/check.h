@@ -14,6 +14,8 @@
 #include <string_view>
 #include <vector>
 
+#include "mtf/device/device.h"
+
 namespace apps::check {
 
 // The CSV tables of notebooks-data/reference: comma separated, one header row, numbers in decimal or hexadecimal. All
@@ -80,6 +82,8 @@ class Tally {
   double worst_rel() const { return worst_rel_; }
   const std::string& failure() const { return failure_; }
 
+  mtf::DeviceChoice device{};  ///< that checks of the engine are about; none: the processor
+
  private:
   bool note(long double error, long double scale, long double allowed);
 
@@ -96,8 +100,8 @@ struct Check {
   std::function<void(const Tables&, Tally&)> run;
 };
 
-/// All checks, in the order they are shown.
-std::vector<Check> all_checks();
+/// All checks, in the order they are shown; of a device its engine.
+std::vector<Check> all_checks(const mtf::DeviceChoice& device = {});
 
 CheckResult run(const Check& check, const Tables& tables);
 
@@ -109,6 +113,7 @@ std::vector<Check> turbulence_checks();  ///< Kolmogorov, both exposures
 std::vector<Check> motion_checks();      ///< Fresnel integrals, accelerated motion
 std::vector<Check> component_checks();   ///< golden values of each kind
 std::vector<Check> radiometry_checks();  ///< blackbodies, where radiometry is built
-std::vector<Check> engine_checks();      ///< plans at the extremes of size, scale, contrast and OTF
+/// Plans at the extremes of size, scale, contrast and OTF: of the processor, or of a device and what it can do.
+std::vector<Check> engine_checks(const mtf::DeviceChoice& device = {});
 
 }  // namespace apps::check

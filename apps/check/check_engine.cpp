@@ -76,7 +76,8 @@ std::string describe(const Image& scene, double ratio, Border border) {
 }
 
 /// Compiles for this scene; a tolerance below what float32 can keep here is replaced by the one that the refusal names.
-/// Nothing when the values themselves are coarse against the contrast, so that there is no tolerance to keep.
+/// Nothing when the values themselves are coarse against the contrast, so that there is no tolerance to keep, and for
+/// what the device that is checked cannot do.
 std::optional<mtf::Plan> compile_reachable(const System<double>& system, const SampleGrid& in,
                                            mtf::PlanOptions options) {
   const SampleGrid out = mtf::detector_grid(system, in);
@@ -86,11 +87,16 @@ std::optional<mtf::Plan> compile_reachable(const System<double>& system, const S
     if (!(refusal.reachable() < 1.0)) return std::nullopt;
     options.tolerance = refusal.reachable();
     return mtf::compile(system, in, out, options);
+  } catch (const mtf::UsageError&) {
+    if (!options.device.device) throw;
+    return std::nullopt;
   }
 }
 
-mtf::PlanOptions options_for(const Image& scene, Border border, double level) {
+mtf::PlanOptions options_for(const Image& scene, Border border, double level, const mtf::DeviceChoice& device = {}) {
   mtf::PlanOptions options;
+  options.device = device;
+  if (device.device) options.method = mtf::Method::fft_device;
   options.border = border;
   options.scene = mtf::summarise(scene.view(), border, level);
   options.threads = 1;
@@ -162,9 +168,13 @@ void flat_sizes(const Tables&, Tally& tally) {
 
 constexpr std::array kScales{1e-30, 1e-20, 1e-10, 1.0, 1e10, 1e20, 1e30};
 
+/// A device takes whole pixels alone.
+std::int64_t columns(const Tally& tally) { return tally.device.device ? 32 : 31; }
+
 void scales(const Tables&, Tally& tally) {
   for (const double scale : kScales)
-    for (const Border border : kBorders) keeps_promise(tally, optics(), noisy(31, 18, 3.0 * scale, scale), 2.0, border);
+    for (const Border border : kBorders)
+      keeps_promise(tally, optics(), noisy(columns(tally), 18, 3.0 * scale, scale), 2.0, border);
 }
 
 void flat_scales(const Tables&, Tally& tally) {
@@ -192,12 +202,14 @@ void double_contrast(const Tables&, Tally& tally) {
   constexpr double mean = 1e6, contrast = 1e-6;
   const auto scene = [&](std::int64_t x, std::int64_t y) { return mean + contrast * noise(x, y); };
   for (const Border border : kBorders) {
-    Image rest(31, 18);
+    Image rest(columns(tally), 18);
     for (std::int64_t y = 0; y < rest.height(); ++y)
       for (std::int64_t x = 0; x < rest.width(); ++x) rest.at(x, y) = static_cast<float>(scene(x, y) - mean);
     const SampleGrid in = grid_of(rest, 2.0);
-    const mtf::PlanOptions options = options_for(rest, border, 0.0);
-    const mtf::Plan plan = compile_reachable(optics(), in, options).value();
+    const mtf::PlanOptions options = options_for(rest, border, 0.0, tally.device);
+    const auto made = compile_reachable(optics(), in, options);
+    if (!made && tally.device.device) continue;
+    const mtf::Plan& plan = made.value();
     Image image(plan.out().width, plan.out().height);
     plan.run(rest.view(), image.view(), 0.0, 1);
     const mtf::System<double> system = optics();
@@ -243,7 +255,7 @@ void means(const Tables&, Tally& tally) {
     for (const auto& [width, height] : kSizes) {
       const Image scene = noisy(width, height, mean);
       const SampleGrid in = grid_of(scene, 1.0);
-      const auto options = options_for(scene, Border::periodic, 0.0);
+      const auto options = options_for(scene, Border::periodic, 0.0, tally.device);
       if (!options.scene) continue;
       const auto plan = compile_reachable(optics(), in, options);
       if (!plan) continue;
@@ -273,7 +285,7 @@ void keeps_promise(Tally& tally, const System<double>& system, const Image& scen
                    const Otf& exact) {
   const SampleGrid in = grid_of(scene, ratio);
   const double level = mtf::statistics(scene.view()).mean;
-  const mtf::PlanOptions options = options_for(scene, border, level);
+  const mtf::PlanOptions options = options_for(scene, border, level, tally.device);
   if (!options.scene) return;
   const auto plan = compile_reachable(system, in, options);
   if (!plan) return;
@@ -283,18 +295,30 @@ void keeps_promise(Tally& tally, const System<double>& system, const Image& scen
   tally.error(rms / options.scene->std, 1.0L, plan->report().predicted.total(), describe(scene, ratio, border));
 }
 
-std::vector<Check> engine_checks() {
+std::vector<Check> engine_checks(const mtf::DeviceChoice& device) {
   const std::string promise = "rms <= predicted, of the scene's std", exact = "equal bits";
-  return {{"engine", "sizes 1 x 1 to primes", promise, sizes},
-          {"engine", "flat, sizes 1 x 1 to primes", exact, flat_sizes},
-          {"engine", "radiance 1e-30 to 1e30", promise, scales},
-          {"engine", "flat, radiance 1e-30 to 1e30", exact, flat_scales},
-          {"engine", "contrast 1e-12 on 1e6, float32", exact, flat_contrast},
-          {"engine", "contrast 1e-12 on 1e6, double", "rms <= predicted + 64 x 2^-53 mean / std", double_contrast},
-          {"engine", "OTF zero nearly everywhere", promise, zero_nearly_everywhere},
-          {"engine", "jitter of 1000 px", promise, huge_jitter},
-          {"engine", "wavelength 0.2 um to 1 mm", promise, wavelengths},
-          {"engine", "mean", "half an ulp of float32 at the largest value", means}};
+  std::vector<Check> checks{
+      {"engine", "sizes 1 x 1 to primes", promise, sizes},
+      {"engine", "flat, sizes 1 x 1 to primes", exact, flat_sizes},
+      {"engine", "radiance 1e-30 to 1e30", promise, scales},
+      {"engine", "flat, radiance 1e-30 to 1e30", exact, flat_scales},
+      {"engine", "contrast 1e-12 on 1e6, float32", exact, flat_contrast},
+      {"engine", "contrast 1e-12 on 1e6, double", "rms <= predicted + 64 x 2^-53 mean / std", double_contrast},
+      {"engine", "OTF zero nearly everywhere", promise, zero_nearly_everywhere},
+      {"engine", "jitter of 1000 px", promise, huge_jitter},
+      {"engine", "wavelength 0.2 um to 1 mm", promise, wavelengths},
+      {"engine", "mean", "half an ulp of float32 at the largest value", means}};
+  if (!device.device) return checks;
+  std::erase_if(checks,
+                [&](const Check& check) { return check.promise == exact; });  // flat scenes: no plan filters them
+  for (Check& check : checks) {
+    check.component += ", " + device.device->info().id;
+    check.run = [device, run = std::move(check.run)](const Tables& tables, Tally& tally) {
+      tally.device = device;
+      run(tables, tally);
+    };
+  }
+  return checks;
 }
 
 }  // namespace apps::check

@@ -15,7 +15,8 @@ mtf::System<double> optics();
 mtf::Image noisy(std::int64_t width, std::int64_t height, double mean = 0.0, double std = 1.0);
 
 /// Filters `scene`, `ratio` samples a pixel, and compares with `exact`, the presample OTF of the system: the rms error
-/// relative to the scene's standard deviation may be what the plan predicted. Uniform scenes are skipped.
+/// relative to the scene's standard deviation may be what the plan predicted. Uniform scenes are skipped, and what the
+/// device of the tally cannot do.
 void keeps_promise(Tally& tally, const mtf::System<double>& system, const mtf::Image& scene, double ratio,
                    mtf::Border border, const Otf& exact);
 

@@ -149,9 +149,7 @@ SimulateResult run_library(const SimulateCommandOptions& options, const Global& 
                            const mtf::io::SensorConfig& sensor) {
   EventPrinter print_event(options, global);
   SimulateOptions run = options.run;
-  std::string told;
-  run.device = mtf::choose_device(options.device, told);
-  if (!told.empty()) note(global, "note: " + one_line(told));
+  run.device = device_of(options.device, global);
   run.threads = global.threads;
   run.keep_images = !options.picture.empty();
   for (const std::string& more : {options.report, options.wisdom, options.picture})

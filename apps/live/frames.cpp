@@ -73,8 +73,8 @@ PixelBytes pixel_bytes(mtf::ImageView<const float> image, int every, int threads
   return pixels;
 }
 
-FrameMaker::FrameMaker(SceneSource scene, NanPolicy nan, int threads, std::uint64_t first_id)
-    : source_(std::move(scene)), nan_(nan), threads_(threads), count_(first_id) {
+FrameMaker::FrameMaker(SceneSource scene, SimulateOptions image, std::uint64_t first_id)
+    : source_(std::move(scene)), image_(std::move(image)), count_(first_id) {
   if (!source_.image) files_ = FrameNames::parse(source_.file);
   if (files_) numbers_ = files_->find(std::nullopt);
 }
@@ -90,9 +90,8 @@ KeptFrame FrameMaker::of_image(const Sensor& sensor, const FrameRequest& request
   const std::int64_t file = files_ ? request.number : 0;
   if (!live_ || file != file_number_ || request.tolerance != made_for_.tolerance || request.stage != made_for_.stage) {
     // The present one stays until another one is there.
-    live_.emplace(
-        source_of(file),
-        SimulateOptions{.tolerance = request.tolerance, .nan = nan_, .stage = request.stage, .threads = threads_});
+    image_.tolerance = request.tolerance, image_.stage = request.stage;
+    live_.emplace(source_of(file), image_);
     made_for_ = request;
     file_number_ = file;
   }
@@ -104,6 +103,7 @@ KeptFrame FrameMaker::of_image(const Sensor& sensor, const FrameRequest& request
   frame.passing = frame.correction_lags || frame.noise_rows > 1;
   frame.names = live_->names();
   frame.warnings = live_->warnings();
+  if (const std::string failed = device_words(image_.device); !failed.empty()) frame.warnings.push_back(failed);
   frame.plan = std::make_shared<const mtf::SensorPlan>(live_->plan());
   frame.range = live_->integer_range();
   return frame;

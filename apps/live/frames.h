@@ -83,8 +83,9 @@ using DrawScene = std::function<KeptFrame(const Sensor& sensor, const FrameReque
 
 class FrameMaker {
  public:
-  /// `scene`: one image, or numbered files. Numbers of frames follow `first_id`.
-  FrameMaker(SceneSource scene, NanPolicy nan, int threads, std::uint64_t first_id = 0);
+  /// `scene`: one image, or numbered files. Tolerance and stage are those of each request in place of those of `image`.
+  /// Numbers of frames follow `first_id`.
+  FrameMaker(SceneSource scene, SimulateOptions image, std::uint64_t first_id = 0);
   explicit FrameMaker(DrawScene draw, std::uint64_t first_id = 0);
 
   /// The last frame once more where the same is asked for. Throws as LiveSimulation::image, or what draws. Not to be
@@ -106,8 +107,7 @@ class FrameMaker {
   SceneSource source_;
   std::optional<FrameNames> files_;
   std::vector<std::int64_t> numbers_;
-  NanPolicy nan_ = NanPolicy::refuse;
-  int threads_ = 0;
+  SimulateOptions image_;
   std::optional<LiveSimulation> live_;
   FrameRequest made_for_;
   std::int64_t file_number_ = -1;

@@ -111,6 +111,7 @@ std::shared_ptr<Session> space_session(const LiveOptions& options, const Global&
                                                .temperatures = options.temperatures,
                                                .time = options.time,
                                                .no_air = options.no_air,
+                                               .device = session.device,
                                                .tell = [waiting](const std::string& words) { waiting->tell(words); }},
                                               global),
                                    std::move(session));
@@ -146,7 +147,10 @@ int run_live(const LiveOptions& options, const Global& global) {
   const bool space = options.second.ends_with(".toml");
   if (!space && (!options.temperatures.empty() || !options.time.empty() || options.no_air))
     throw mtf::UsageError("--temperatures, --time and --no-air are of a 3-D scene: mtf live scene.toml sensor.toml");
-  SessionOptions session{.tolerance = options.tolerance, .nan = options.nan, .threads = global.threads};
+  SessionOptions session{.tolerance = options.tolerance,
+                         .nan = options.nan,
+                         .device = device_of(options.device, global),
+                         .threads = global.threads};
   // A sensor file that is wrong is said before there is a page. Scene and first picture are made while that is loaded;
   // what is wrong with them ends the command, and is said here, not in a browser.
   Sensor sensor;

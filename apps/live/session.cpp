@@ -200,7 +200,7 @@ Answer overtaken() { return refusal("a later request has overtaken this one", 40
 Session::Session(Sensor start, SceneSource scene, SessionOptions options)
     : options_(std::move(options)),
       edited_(std::move(start)),
-      frames_(std::move(scene), options_.nan, options_.threads) {}
+      frames_(std::move(scene), {.nan = options_.nan, .device = options_.device, .threads = options_.threads}) {}
 Session::Session(Sensor start, Space space, SessionOptions options)
     : options_(std::move(options)), edited_(std::move(start)), space_(std::move(space)), frames_(space_->drawer()) {}
 

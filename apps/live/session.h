@@ -49,6 +49,7 @@ struct SessionOptions {
   std::string command_before{};             ///< what makes the files of the demo where they are missing
   std::optional<double> tolerance{};
   NanPolicy nan = NanPolicy::refuse;
+  mtf::DeviceChoice device{};
   int threads = 0;
 };
 

@@ -20,11 +20,20 @@ namespace apps::python {
 
 namespace {
 
+/// The warnings, and those of a device that is not there or has failed.
+std::vector<std::string> with_device(std::vector<std::string> warnings, const std::string& note,
+                                     const mtf::DeviceChoice& device) {
+  for (const std::string& more : {note, device_words(device)})
+    if (!more.empty()) warnings.push_back(more);
+  return warnings;
+}
+
 /// A linear plan, whose runs need no memory of their own result where the caller gives it.
 class LinearPlan {
  public:
   LinearPlan(const SensorHandle& sensor, std::int64_t width, std::int64_t height, const SampleWords& sample,
-             const std::optional<py::object>& scene, std::optional<double> tolerance, bool measure, int threads)
+             const std::optional<py::object>& scene, std::optional<double> tolerance, bool measure,
+             const std::string& device, int threads)
       : sensor_(sensor.config) {
     std::optional<PlaneView> plane;
     if (scene) plane = plane_of(*scene, "scene");
@@ -35,6 +44,7 @@ class LinearPlan {
                              .aperture = mtf::io::scene_aperture(sensor_->scene, grid),
                              .threads = threads};
     run_job([&](JobControl& control) {
+      options.device = mtf::choose_device(device, note_);
       options.progress = [&](std::int64_t) { control.check(); };
       if (plane) options.scene = mtf::summarise(plane->view, options.border, sensor_->scene.border_value);
       mtf::SensorPlan made = compile_reachable(tolerance.has_value(), SensorRun{}, options, warnings_,
@@ -67,7 +77,7 @@ class LinearPlan {
   }
 
   const mtf::SensorPlan& plan() const { return *plan_; }
-  const std::vector<std::string>& warnings() const { return warnings_; }
+  std::vector<std::string> warnings() const { return with_device(warnings_, note_, plan_->options.device); }
   std::string explain() const {
     std::string text = plan_->presample.explain();
     if (plan_->readout) text += "\nreadout\n" + plan_->readout->explain();
@@ -96,15 +106,21 @@ class LinearPlan {
   std::shared_ptr<const mtf::io::SensorConfig> sensor_;
   std::shared_ptr<const mtf::SensorPlan> plan_;
   std::vector<std::string> warnings_;
+  std::string note_;  ///< why there is no device
 };
 
 /// A sensor with [detector]: image after image through its whole chain. One image is made at a time.
 class ChainPlan {
  public:
   /// `filter`: of light, before everything of the sensor; a function, or None.
-  ChainPlan(const SimulateOptions& options, const SampleWords& sample, mtf::io::Quantity quantity,
+  ChainPlan(const SimulateOptions& options, std::string note, const SampleWords& sample, mtf::io::Quantity quantity,
             const py::object& filter)
-      : sample_(sample), quantity_(quantity), filter_(filter), live_({.filter = light_filter(filter)}, options) {}
+      : device_(options.device),
+        note_(std::move(note)),
+        sample_(sample),
+        quantity_(quantity),
+        filter_(filter),
+        live_({.filter = light_filter(filter)}, options) {}
 
   py::object run(const SensorHandle& sensor, const py::object& scene, const py::object& out, std::int64_t frame) {
     const PlaneView in = plane_of(scene, "scene");
@@ -128,11 +144,13 @@ class ChainPlan {
   }
 
   const mtf::SensorPlan& plan() const { return live_.plan(); }
-  const std::vector<std::string>& warnings() const { return live_.warnings(); }
+  std::vector<std::string> warnings() const { return with_device(live_.warnings(), note_, device_); }
   int compiled() const { return live_.plans_compiled(); }
   int updated() const { return live_.plans_updated(); }
 
  private:
+  mtf::DeviceChoice device_;
+  std::string note_;  ///< why it is none
   SampleWords sample_;
   mtf::io::Quantity quantity_;
   py::object filter_;  // which live_ calls
@@ -142,10 +160,15 @@ class ChainPlan {
 
 std::unique_ptr<ChainPlan> chain_plan(const SampleWords& sample, const std::string& quantity,
                                       std::optional<double> tolerance, const std::optional<std::string>& stage,
-                                      const py::object& filter, int threads) {
+                                      const py::object& filter, const std::string& device, int threads) {
   SimulateOptions options{.tolerance = tolerance, .threads = threads};
+  std::string told;
+  {
+    const py::gil_scoped_release free;
+    options.device = mtf::choose_device(device, told);
+  }
   if (stage) options.stage = output_stage(*stage);
-  return std::make_unique<ChainPlan>(options, sample, quantity_of(quantity), filter);
+  return std::make_unique<ChainPlan>(options, std::move(told), sample, quantity_of(quantity), filter);
 }
 
 /// Width, height and steps in um.
@@ -158,8 +181,9 @@ py::tuple as_tuple(const mtf::SampleGrid& grid) {
 void add_plan(py::module_& module) {
   py::class_<LinearPlan>(module, "LinearPlan", "A compiled OTF.")
       .def(py::init<const SensorHandle&, std::int64_t, std::int64_t, const SampleWords&,
-                    const std::optional<py::object>&, std::optional<double>, bool, int>(),
-           "sensor"_a, "width"_a, "height"_a, "sample"_a, "scene"_a, "tolerance"_a, "measure"_a, "threads"_a)
+                    const std::optional<py::object>&, std::optional<double>, bool, const std::string&, int>(),
+           "sensor"_a, "width"_a, "height"_a, "sample"_a, "scene"_a, "tolerance"_a, "measure"_a, "device"_a,
+           "threads"_a)
       .def("replaced", &LinearPlan::with, "sensor"_a)
       .def("run", &LinearPlan::run, "scene"_a, "out"_a, "threads"_a)
       .def("explain", &LinearPlan::explain)
@@ -171,7 +195,8 @@ void add_plan(py::module_& module) {
       .def_property_readonly("scene_grid", [](const LinearPlan& p) { return as_tuple(p.plan().in()); })
       .def_property_readonly("grid", [](const LinearPlan& p) { return as_tuple(p.plan().out()); });
   py::class_<ChainPlan>(module, "ChainPlan", "A sensor's chain, image after image.")
-      .def(py::init(&chain_plan), "sample"_a, "quantity"_a, "tolerance"_a, "stage"_a, "filter"_a, "threads"_a)
+      .def(py::init(&chain_plan), "sample"_a, "quantity"_a, "tolerance"_a, "stage"_a, "filter"_a, "device"_a,
+           "threads"_a)
       .def("run", &ChainPlan::run, "sensor"_a, "scene"_a, "out"_a, "frame"_a)
       .def_property_readonly("promised", [](const ChainPlan& p) { return p.plan().predicted_error; })
       .def_property_readonly("compiled", &ChainPlan::compiled)

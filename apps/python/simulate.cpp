@@ -10,6 +10,7 @@
 #include <tuple>
 
 #include "apps/image/simulate_summary.h"
+#include "apps/options.h"
 #include "apps/python/arrays.h"
 #include "apps/python/images.h"
 #include "apps/python/job.h"
@@ -103,7 +104,7 @@ std::unique_ptr<RunHandle> simulate_scene(const SensorHandle& sensor, const Scen
                                           const std::optional<std::array<std::int64_t, 3>>& frames,
                                           const FileName& schedule, const FileName& out,
                                           const std::optional<std::array<double, 2>>& range, const py::object& filter,
-                                          int threads, const py::object& progress) {
+                                          const std::string& device, int threads, const py::object& progress) {
   auto run = std::make_unique<RunHandle>();
   require_unchanged(sensor);
   run->sensor = sensor.config;
@@ -119,6 +120,11 @@ std::unique_ptr<RunHandle> simulate_scene(const SensorHandle& sensor, const Scen
   options.out = out.bytes;
   options.range = range;
   options.threads = threads;
+  std::string told;
+  {
+    const py::gil_scoped_release free;  // opening one takes seconds
+    options.device = mtf::choose_device(device, told);
+  }
   SceneSource source = source_of(*sensor.config, scene);
   if (scene.blur_samples > 0.0 && source.image)
     run->sensor = without_blur(*sensor.config, source.image->grid, scene.blur_samples);
@@ -132,6 +138,7 @@ std::unique_ptr<RunHandle> simulate_scene(const SensorHandle& sensor, const Scen
     run->result = simulate(*run->sensor, std::move(source), options);
     options.watch = {};
   });
+  if (!told.empty()) run->result.report.warnings.push_back(told);
   run->images = take_images(run->result);
   return run;
 }
@@ -265,8 +272,9 @@ void add_simulate(py::module_& module) {
   module.def("require_going_on", &mtf::require_going_on);
   module.def("canvas_sensor", &canvas_sensor, "sensor"_a, "width"_a, "height"_a, "sample"_a);
   module.def("simulate", &simulate_scene, "sensor"_a, "scene"_a, "tolerance"_a, "nan"_a, "measure"_a, "stage"_a,
-             "region"_a, "memory"_a, "frames"_a, "schedule"_a, "out"_a, "range"_a, "filter"_a, "threads"_a,
+             "region"_a, "memory"_a, "frames"_a, "schedule"_a, "out"_a, "range"_a, "filter"_a, "device"_a, "threads"_a,
              "progress"_a);
+  module.def("devices", &devices_report, py::call_guard<py::gil_scoped_release>());
 }
 
 }  // namespace apps::python

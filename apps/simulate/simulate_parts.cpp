@@ -86,7 +86,7 @@ mtf::PlanOptions plan_options_of(const SimulateOptions& options, const SensorRun
 
 std::string device_words(const mtf::DeviceChoice& choice) {
   const std::optional<std::string> why = choice.device ? choice.device->failure() : std::nullopt;
-  return why ? choice.device->info().name + " failed, and the processor did the work: " + *why : "";
+  return why ? choice.device->info().name + " failed, and the processor did its work then: " + *why : "";
 }
 
 mtf::SceneAperture aperture_of(const mtf::io::SceneDefaults& defaults, const mtf::io::Scene& scene) {

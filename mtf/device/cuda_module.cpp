@@ -17,8 +17,10 @@ void require(CUresult code, const char* what) {
   if (code == CUDA_SUCCESS) return;
   const char* reason = nullptr;
   cuGetErrorString(code, &reason);
-  throw DeviceError(std::string("cannot ") + what + " (CUDA error " + std::to_string(code) +
-                    (reason != nullptr ? std::string(", ") + reason : "") + ")");
+  const std::string text = std::string("cannot ") + what + " (CUDA error " + std::to_string(code) +
+                           (reason != nullptr ? std::string(", ") + reason : "") + ")";
+  if (code == CUDA_ERROR_OUT_OF_MEMORY) throw DeviceMemoryError(text);
+  throw DeviceError(text);
 }
 
 std::vector<DeviceInfo> list() {
@@ -40,6 +42,7 @@ std::vector<DeviceInfo> list() {
     info.vendor = "NVIDIA";
     info.driver = "CUDA " + std::to_string(version_number / 1000) + "." + std::to_string(version_number % 1000 / 10);
     info.bytes = info.largest_bytes = static_cast<std::int64_t>(bytes);
+    info.doubles = true;
     info.index = i;
     infos.push_back(std::move(info));
   }

@@ -82,6 +82,38 @@ const PinnedMemory& Device::Parts::pinned(std::size_t number, std::size_t bytes)
   return *held;
 }
 
+void Device::Parts::give_back() {
+  places_ = {};
+  pinned_.clear();
+  ffts_.clear();
+  maps_.clear();
+}
+
+void Device::Parts::fail(const DeviceError& error) {
+  failure = error.what();
+  try {
+    backend->finish(queue);  // before memory goes that is in use
+  } catch (const DeviceError&) {
+    lost = true;
+  }
+  if (!lost && dynamic_cast<const DeviceMemoryError*>(&error) != nullptr) {
+    give_back();
+    throw DeviceMemoryError(info.name + ": " + error.what());
+  }
+  lost = true;
+  throw DeviceError(info.name + ": " + error.what());
+}
+
+const DeviceMemory& Device::Parts::map(const std::shared_ptr<const Image>& image) {
+  std::erase_if(maps_, [](const auto& entry) { return entry.first.expired(); });
+  for (const auto& [known, memory] : maps_)
+    if (known.lock() == image) return *memory;
+  const auto memory = backend->allocate(static_cast<std::size_t>(image->size()) * sizeof(float));
+  backend->upload(queue, image->data(), *memory, memory->bytes);
+  backend->finish(queue);
+  return *maps_.emplace_back(image, memory).second;
+}
+
 DeviceFft& Device::Parts::fft(const FftShape& shape) {
   auto found = std::find_if(ffts_.begin(), ffts_.end(), [&](const auto& entry) { return entry.first == shape; });
   if (found != ffts_.end()) {

@@ -23,10 +23,16 @@
 
 namespace mtf {
 
-/// The driver or the device failed: no memory left, device lost, wrong numbers.
+/// The driver or the device failed: device lost, wrong numbers.
 class DeviceError : public RuntimeError {
  public:
   using RuntimeError::RuntimeError;
+};
+
+/// The device has no memory left at the moment; it may have some later.
+class DeviceMemoryError : public DeviceError {
+ public:
+  using DeviceError::DeviceError;
 };
 
 struct DeviceInfo {
@@ -36,6 +42,7 @@ struct DeviceInfo {
   std::int64_t bytes = 0;          ///< memory of the device
   std::int64_t largest_bytes = 0;  ///< of one piece of it
   bool cpu = false;                ///< the processor itself, by a driver that runs kernels on it
+  bool doubles = false;            ///< its kernels may compute in double precision
   int index = 0;                   ///< of the backend's devices
 };
 
@@ -56,8 +63,9 @@ struct DeviceTest {
   double transfer_ms = 0.0;           ///< of next to nothing
 };
 
-/// Wrong on purpose, for tests: random words, filtered values, or a run that ends as that of a lost device.
-enum class DeviceFault { none, words, values, run };
+/// Wrong on purpose, for tests: random words, filtered values, or runs that end as those of a lost device or of one
+/// without memory, or a device that is lost after the filter.
+enum class DeviceFault { none, words, values, run, memory, chain };
 
 /// An open device. Runs of several threads follow one another.
 class Device {
@@ -67,7 +75,7 @@ class Device {
   ~Device();
   const DeviceInfo& info() const;
   const DeviceTest& test() const;
-  /// What went wrong when it last ran; it does not run again.
+  /// The last failure. After it the device runs again only where memory was missing.
   std::optional<std::string> failure() const;
   /// For the engine (mtf/device/device_filter.h).
   Parts& parts() const { return *parts_; }

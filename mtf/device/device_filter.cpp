@@ -5,7 +5,9 @@
 #include <cmath>
 #include <cstring>
 
+#include "mtf/device/device_image.h"
 #include "mtf/device/device_parts.h"
+#include "mtf/engines/kept_plane.h"
 #include "mtf/engines/mean_and_deviation.h"
 #include "mtf/parallel.h"
 #include "mtf/units.h"
@@ -101,17 +103,20 @@ class DeviceFilter final : public SpectralFilter {
 
   void run(const std::vector<Channel>& channels, int threads) const override {
     std::vector<Channel> about;
-    for (const Channel& channel : channels)
-      about.push_back(channel.sampled ? recentred(channel, x_.border, threads) : channel);
+    for (const Channel& channel : channels) about.push_back(about_its_mean(channel, threads));
     Device::Parts& parts = device_->parts();
-    const std::scoped_lock lock(parts.lock);
-    if (parts.failure) throw DeviceError(parts.info.name + " does not run again: " + *parts.failure);
+    std::unique_lock lock(parts.lock);
+    if (parts.lost) throw DeviceError(parts.info.name + " does not run again: " + *parts.failure);
     try {
       if (parts.fault == DeviceFault::run) throw DeviceError("a fault that was asked for");
+      if (parts.fault == DeviceFault::memory) throw DeviceMemoryError("no memory left, as was asked for");
       for (std::size_t c = 0; c < about.size(); ++c) filter(about[c], c + 1, threads);
     } catch (const DeviceError& error) {
-      parts.failure = error.what();
-      throw DeviceError(parts.info.name + ": " + error.what());
+      parts.fail(error);
+    }
+    if (stays(about.front())) {
+      *about.front().stays = std::make_unique<DeviceImage>(device_, x_.outputs, y_.outputs, std::move(lock));
+      return;
     }
     // Nothing is written before all has been filtered: whoever takes over finds the planes as they were.
     for (std::size_t c = 0; c < about.size(); ++c) deliver(about[c], parts.pinned(c + 1, image_bytes()), threads);
@@ -146,6 +151,42 @@ class DeviceFilter final : public SpectralFilter {
   /// Whether differences or products may leave the range of float, or be so small that a device takes them for 0. The
   /// host then scales the plane.
   static bool is_extreme(const Channel& channel) { return std::abs(std::ilogb(channel.scale)) > 100; }
+  static bool stays(const Channel& channel) { return channel.stays != nullptr && !is_extreme(channel); }
+
+  /// With the mean of all samples, which a plane that comes again is read for once.
+  Channel about_its_mean(Channel channel, int threads) const {
+    if (!channel.sampled) return channel;
+    if (channel.kept == nullptr) return recentred(channel, x_.border, threads);
+    if (!channel.kept->all) channel.kept->all = mean_and_deviation(channel.in, threads, channel.kept->flat);
+    channel.mean = channel.kept->all->mean;
+    channel.scale = scale_for(canvas_deviation(*channel.kept->all, x_.border, channel.border_value));
+    channel.sampled = false;
+    return channel;
+  }
+
+  /// The samples on the device: as they are, or about the mean (`on_host`).
+  const DeviceMemory& sent_scene(const Channel& channel, bool on_host, int threads) const {
+    Device::Parts& parts = device_->parts();
+    KeptOnDevice* const kept = channel.kept != nullptr && !on_host ? &channel.kept->on_device : nullptr;
+    if (kept != nullptr && kept->device == device_) return *static_cast<const DeviceMemory*>(kept->memory.get());
+    const PinnedMemory& from = parts.pinned(0, scene_bytes());
+    parallel_for_each(y_.samples, 64, threads, [&](std::int64_t y) {
+      float* const row = from.floats() + y * x_.samples;
+      if (on_host)
+        kernels::center(channel.in.row(y), x_.samples, channel.mean, channel.scale, row);
+      else
+        std::copy_n(channel.in.row(y), x_.samples, row);
+    });
+    const Memory own = kept != nullptr ? parts.backend->allocate(scene_bytes()) : nullptr;
+    const DeviceMemory& to = own ? *own : parts.memory(Place::scene, scene_bytes());
+    parts.backend->upload(parts.queue, from.data, to, scene_bytes());
+    if (own) {
+      kept->memory = nullptr;  // before the device that it may be of
+      kept->device = device_;
+      kept->memory = own;
+    }
+    return to;
+  }
 
   template <class T>
   Memory sent(const std::vector<T>& list) const {
@@ -162,9 +203,8 @@ class DeviceFilter final : public SpectralFilter {
     DeviceBackend& device = *parts.backend;
     const std::int64_t width = x_.frequency.length, height = y_.frequency.length, columns = half_of(width);
     const std::int64_t out_width = x_.out_length, out_height = y_.out_length, out_columns = half_of(out_width);
-    const PinnedMemory& from = parts.pinned(0, scene_bytes());
-    const PinnedMemory& to = parts.pinned(number, image_bytes());
-    const DeviceMemory& scene = parts.memory(Place::scene, scene_bytes());
+    const bool on_host = is_extreme(channel);
+    const DeviceMemory& scene = sent_scene(channel, on_host, threads);
     const DeviceMemory& canvas = parts.memory(Place::canvas, size_of(plane_bytes(width, height)));
     const DeviceMemory& spectrum = parts.memory(Place::spectrum, size_of(plane_bytes(out_width, out_height)));
     const DeviceMemory& image = parts.memory(Place::image, image_bytes());
@@ -173,17 +213,8 @@ class DeviceFilter final : public SpectralFilter {
       device.launch(parts.queue, kernel, {x, y, 1}, {arguments.begin(), arguments.size()});
     };
 
-    const bool on_host = is_extreme(channel);
     const double mean = on_host ? 0.0 : channel.mean, scale = on_host ? 1.0 : channel.scale;
     const double out_mean = on_host ? 0.0 : channel.out_mean();
-    parallel_for_each(y_.samples, 64, threads, [&](std::int64_t y) {
-      float* const row = from.floats() + y * x_.samples;
-      if (on_host)
-        kernels::center(channel.in.row(y), x_.samples, channel.mean, channel.scale, row);
-      else
-        std::copy_n(channel.in.row(y), x_.samples, row);
-    });
-    device.upload(parts.queue, from.data, scene, scene_bytes());
     const bool timed = parts.kernels_ms.has_value();
     const DeviceBackend::Event start = timed ? device.mark(parts.queue) : 0;
     launch("gather", width, height,
@@ -200,6 +231,8 @@ class DeviceFilter final : public SpectralFilter {
            {image, spectrum, narrow(x_.outputs), narrow(y_.outputs), narrow(2 * out_columns),
             static_cast<float>(1.0 / scale), float_mean, static_cast<float>(out_mean - float_mean)});
     const DeviceBackend::Event end = timed ? device.mark(parts.queue) : 0;
+    if (stays(channel)) return;
+    const PinnedMemory& to = parts.pinned(number, image_bytes());
     device.download(parts.queue, image, to.data, image_bytes());
     device.finish(parts.queue);
     if (timed) parts.kernels_ms = device.ms_between(start, end);

@@ -8,7 +8,9 @@
 //   forward    real transform of the canvas
 //   fold       detector spectrum = sum over aliases of OTF x phase x spectrum, by the terms of each axis (axis_terms)
 //   inverse    transform of the detector's length
-//   scatter    pixels = value / scale + mean of the image; download
+//   scatter    pixels = value / scale + mean of the image; download, unless the image stays (Channel::stays)
+//
+// A plane that comes again (Channel::kept) is sent once.
 
 #include <functional>
 #include <memory>

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "mtf/device/backend.h"
+#include "mtf/image.h"
 
 namespace mtf {
 
@@ -20,26 +21,34 @@ struct Device::Parts {
 
   mutable std::mutex lock;  ///< of all below, and held while something runs
   std::optional<std::string> failure;
+  bool lost = false;                 ///< it does not run again
   std::optional<double> kernels_ms;  ///< where it has a value, runs put there the time between the transfers
 
   /// Memory that every run takes again, as large as the largest has needed.
-  enum class Place { scene, canvas, spectrum, image };
+  enum class Place { scene, canvas, spectrum, image, counts, lines };
   const DeviceMemory& memory(Place place, std::size_t bytes);
   const PinnedMemory& pinned(std::size_t number, std::size_t bytes);
   DeviceFft& fft(const FftShape& shape);
+  /// An image that does not change, sent once for as long as it is there.
+  const DeviceMemory& map(const std::shared_ptr<const Image>& image);
+  void give_back();  ///< all memory that runs take again
+  /// Notes a failure of work on the device, and throws it with the device's name.
+  [[noreturn]] void fail(const DeviceError& error);
 
  private:
   static constexpr std::size_t kMostFfts = 16;
-  std::array<std::shared_ptr<const DeviceMemory>, 4> places_;
+  std::array<std::shared_ptr<const DeviceMemory>, 6> places_;
   std::vector<std::shared_ptr<const PinnedMemory>> pinned_;
   std::vector<std::pair<FftShape, std::shared_ptr<DeviceFft>>> ffts_;  ///< the latest last
+  std::vector<std::pair<std::weak_ptr<const Image>, std::shared_ptr<const DeviceMemory>>> maps_;
 };
 
-/// The text of mtf/device/kernels.cl.
+/// The texts of mtf/device/kernels.cl, poisson.cl and pixels.cl.
 extern const char* const kKernelText;
 
-/// What the kernel `bits` writes for an input: four random words, then the bits of -log, cos, sin and a fused sum.
-inline constexpr std::size_t kBitsOfInput = 8;
+/// What the kernel `bits` writes for an input: four random words, then the bits of -log, cos, sin and a fused sum, and
+/// where the device has doubles those of a square root and of a sum in double.
+inline constexpr std::size_t kBitsOfInput = 10;
 /// The same by the processor, from the same text.
 std::vector<std::uint32_t> bits_on_host(std::int64_t inputs);
 

@@ -9,6 +9,10 @@
 #define FUNCTION static inline
 typedef uint u32;
 typedef ulong u64;
+#ifdef cl_khr_fp64
+#pragma OPENCL EXTENSION cl_khr_fp64 : enable
+#define DOUBLES
+#endif
 #define GX ((int)get_global_id(0))
 #define GY ((int)get_global_id(1))
 #define FUSED(a, b, c) fma((float)(a), (float)(b), (float)(c))
@@ -20,6 +24,7 @@ typedef ulong u64;
 #define FUNCTION static __device__ __forceinline__
 typedef unsigned int u32;
 typedef unsigned long long u64;
+#define DOUBLES
 #define GX ((int)(blockIdx.x * blockDim.x + threadIdx.x))
 #define GY ((int)(blockIdx.y * blockDim.y + threadIdx.y))
 #define FUSED(a, b, c) fmaf(a, b, c)
@@ -27,6 +32,7 @@ typedef unsigned long long u64;
 #define FLOAT_OF(x) __int_as_float(x)
 #else
 #define HOST 1
+#define DOUBLES
 #define GLOBAL
 #define FUNCTION inline
 typedef std::uint32_t u32;
@@ -71,16 +77,16 @@ FUNCTION float minus_log(float u, float rest) {
   const float m = FLOAT_OF(bits - e * (1 << 23));
   const float f = e == 0 ? -rest : m - 1.0f;
   float p = -0.07451196828f;
-  p = FUSED(p, f, 0.1280662843f);
-  p = FUSED(p, f, -0.1326603638f);
-  p = FUSED(p, f, 0.1419964791f);
-  p = FUSED(p, f, -0.1660836859f);
-  p = FUSED(p, f, 0.2000093951f);
-  p = FUSED(p, f, -0.2500157913f);
-  p = FUSED(p, f, 0.3333334535f);
-  p = FUSED(p, f, -0.499999885f);
-  p = FUSED(p, f, 1.0f);
-  return -FUSED((float)e, 0.69314718056f, f * p);
+  p = p * f + 0.1280662843f;
+  p = p * f - 0.1326603638f;
+  p = p * f + 0.1419964791f;
+  p = p * f - 0.1660836859f;
+  p = p * f + 0.2000093951f;
+  p = p * f - 0.2500157913f;
+  p = p * f + 0.3333334535f;
+  p = p * f - 0.499999885f;
+  p = p * f + 1.0f;
+  return -((float)e * 0.69314718056f + f * p);
 }
 
 // A complex number.
@@ -95,20 +101,25 @@ FUNCTION Number turned(u32 word) {
   const int rest = (int)(word - (quarter << 30));
   const float x = ((float)rest + 0.5f) * 0x1p-30f, y = x * x;
   float s = 0.0001582063036f, c = 0.0009036280664f;
-  s = FUSED(s, y, -0.004681266257f);
-  s = FUSED(s, y, 0.07969258273f);
-  s = FUSED(s, y, -0.6459640961f);
-  s = FUSED(s, y, 1.570796327f) * x;
-  c = FUSED(c, y, -0.0208600695f);
-  c = FUSED(c, y, 0.2536692037f);
-  c = FUSED(c, y, -1.233700541f);
-  c = FUSED(c, y, 1.0f);
+  s = s * y - 0.004681266257f;
+  s = s * y + 0.07969258273f;
+  s = s * y - 0.6459640961f;
+  s = (s * y + 1.570796327f) * x;
+  c = c * y - 0.0208600695f;
+  c = c * y + 0.2536692037f;
+  c = c * y - 1.233700541f;
+  c = c * y + 1.0f;
   r.re = (quarter & 1u) != 0 ? s : c;
   r.im = (quarter & 1u) != 0 ? c : s;
   if (((quarter + 1u) & 2u) != 0) r.re = -r.re;
   if ((quarter & 2u) != 0) r.im = -r.im;
   return r;
 }
+
+#ifdef DOUBLES
+// Rounded once, as one in single precision would not be on every device.
+FUNCTION float root_of(float x) { return (float)sqrt((double)x); }
+#endif
 
 // The numbers that have to be the same on every device.
 FUNCTION void bits_of_input(GLOBAL u32* out, int i) {
@@ -124,11 +135,15 @@ FUNCTION void bits_of_input(GLOBAL u32* out, int i) {
   out[5] = (u32)BITS_OF(t.re);
   out[6] = (u32)BITS_OF(t.im);
   out[7] = (u32)BITS_OF(FUSED(u, t.re, t.im));
+#ifdef DOUBLES
+  out[8] = (u32)BITS_OF(root_of(u));
+  out[9] = (u32)BITS_OF((float)(((double)u * (double)t.re + (double)t.im) * 0x1p30));
+#endif
 }
 
 #ifndef HOST
 KERNEL void bits(GLOBAL u32* out, int inputs) {
-  if (GX < inputs) bits_of_input(out + (u64)GX * 8, GX);
+  if (GX < inputs) bits_of_input(out + (u64)GX * 10, GX);
 }
 
 // ---- the filter (mtf/device/device_filter.h) ----

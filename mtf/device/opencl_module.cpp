@@ -17,17 +17,23 @@
 namespace mtf {
 namespace {
 
+bool is_memory(cl_int code) {
+  return code == CL_MEM_OBJECT_ALLOCATION_FAILURE || code == CL_OUT_OF_HOST_MEMORY || code == CL_INVALID_BUFFER_SIZE;
+}
+
 std::string reason_of(cl_int code) {
   std::string reason;
-  if (code == CL_MEM_OBJECT_ALLOCATION_FAILURE || code == CL_OUT_OF_HOST_MEMORY || code == CL_INVALID_BUFFER_SIZE)
-    reason = "no memory left, ";
+  if (is_memory(code)) reason = "no memory left, ";
   if (code == CL_OUT_OF_RESOURCES) reason = "out of resources, ";
   if (code == CL_DEVICE_NOT_AVAILABLE) reason = "the device is not available, ";
   return reason + "OpenCL error " + std::to_string(code);
 }
 
 void require(cl_int code, const char* what) {
-  if (code != CL_SUCCESS) throw DeviceError(std::string("cannot ") + what + " (" + reason_of(code) + ")");
+  if (code == CL_SUCCESS) return;
+  const std::string text = std::string("cannot ") + what + " (" + reason_of(code) + ")";
+  if (is_memory(code)) throw DeviceMemoryError(text);
+  throw DeviceError(text);
 }
 
 template <class Query>
@@ -84,6 +90,9 @@ std::vector<DeviceInfo> list() {
     info.bytes = static_cast<std::int64_t>(device_value<cl_ulong>(device, CL_DEVICE_GLOBAL_MEM_SIZE));
     info.largest_bytes = static_cast<std::int64_t>(device_value<cl_ulong>(device, CL_DEVICE_MAX_MEM_ALLOC_SIZE));
     info.cpu = (device_value<cl_device_type>(device, CL_DEVICE_TYPE) & CL_DEVICE_TYPE_CPU) != 0;
+    cl_device_fp_config doubles = 0;  // which drivers before OpenCL 1.2 do not know
+    clGetDeviceInfo(device, CL_DEVICE_DOUBLE_FP_CONFIG, sizeof doubles, &doubles, nullptr);
+    info.doubles = doubles != 0;
     info.index = static_cast<int>(infos.size());
     infos.push_back(std::move(info));
   }

@@ -45,9 +45,11 @@ class VkFftPlan {
 
  private:
   static void require(VkFFTResult result, const char* what) {
-    if (result != VKFFT_SUCCESS)
-      throw DeviceError(std::string("VkFFT cannot ") + what + " a transform (its error " +
-                        std::to_string(static_cast<int>(result)) + ")");
+    if (result == VKFFT_SUCCESS) return;
+    const std::string text = std::string("VkFFT cannot ") + what + " a transform (its error " +
+                             std::to_string(static_cast<int>(result)) + ")";
+    if (result == VKFFT_ERROR_MALLOC_FAILED || result == VKFFT_ERROR_FAILED_TO_ALLOCATE) throw DeviceMemoryError(text);
+    throw DeviceError(text);
   }
   VkFFTApplication application_{};
 };

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -14,6 +15,7 @@
 
 namespace mtf {
 
+class DeviceImage;
 struct KeptPlane;
 
 /// One plane to filter.
@@ -31,6 +33,8 @@ struct Channel {
   /// Takes filtered samples of row y from column x on in place of `out`, from several threads at once; of the spectral
   /// engine.
   std::function<void(std::int64_t y, std::int64_t x, std::span<const float> samples)> take = {};
+  /// Where the engine may leave the image on its device: then `out` is not written. Null: it may not.
+  std::unique_ptr<DeviceImage>* stays = nullptr;
 
   /// What is added to the filtered samples.
   double out_mean() const { return dc * mean; }

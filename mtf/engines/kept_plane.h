@@ -29,10 +29,16 @@ struct KeptSpectrum {
   AlignedBuffer<std::byte> numbers;  ///< [block][row][kRow], after the transforms along both axes
 };
 
+/// A plane in the memory of a device.
+struct KeptOnDevice {
+  std::shared_ptr<const void> device, memory;  ///< the memory goes first
+};
+
 struct KeptPlane {
   std::optional<MeanAndDeviation> all;  ///< from all samples, where they had to be read for it
   UniformRuns flat;                     ///< found by the same pass
   KeptSpectrum spectrum;
+  KeptOnDevice on_device;
 };
 
 }  // namespace mtf

@@ -14,7 +14,7 @@
 //
 // Memory: a plan of an FFT method keeps the spectrum, which is about as large as the planes, twice that in double
 // precision, and up to nine times as large on the canvas of a border other than reflect (mtf/border.h). Other
-// methods keep a byte for every 16 samples at most.
+// methods keep a byte for every 16 samples at most. A device keeps the planes themselves.
 
 #include <cstdint>
 #include <memory>

@@ -9,6 +9,7 @@
 #include <mutex>
 #include <vector>
 
+#include "mtf/device/device_image.h"
 #include "mtf/engines/kept_plane.h"
 #include "mtf/engines/statistics.h"
 #include "mtf/error.h"
@@ -272,7 +273,8 @@ void Plan::run(KeptScene& scene, std::span<const ImageView<float>> out, double b
 }
 
 void Plan::run_planes(std::span<const ImageView<const float>> in, std::span<const ImageView<float>> out,
-                      double border_value, int threads, std::span<KeptPlane> kept, const Take& take) const {
+                      double border_value, int threads, std::span<KeptPlane> kept, const Take& take,
+                      std::unique_ptr<DeviceImage>* stays) const {
   if (in.size() != out.size()) throw UsageError("as many output as input planes are needed");
   if (impl_->weights) {
     for (std::size_t c = 0; c < in.size(); ++c) {
@@ -309,6 +311,7 @@ void Plan::run_planes(std::span<const ImageView<const float>> in, std::span<cons
       if (!transforms && share_memory(in[c], out[c])) from = copies.emplace_back(copy_of(in[c])).view();
       channels.push_back({from, out[c], about.mean, scale_for(deviation), sampled.has_value(), impl_->dc, border_value,
                           &plane.flat, impl_->report.predicted.flat, kept.empty() ? nullptr : &plane});
+      channels.back().stays = stays;
       if (take)
         channels.back().take = [&take, c](std::int64_t y, std::int64_t x, std::span<const float> samples) {
           take(c, y, x, samples);
@@ -316,6 +319,21 @@ void Plan::run_planes(std::span<const ImageView<const float>> in, std::span<cons
     }
   }
   if (!channels.empty()) run_engine(channels, threads);
+}
+
+std::unique_ptr<DeviceImage> Plan::run_on_device(ImageView<const float> in, ImageView<float> out, double border_value,
+                                                 int threads) const {
+  std::unique_ptr<DeviceImage> image;
+  run_planes(std::span(&in, 1), std::span(&out, 1), border_value, threads, {}, {}, &image);
+  return image;
+}
+
+std::unique_ptr<DeviceImage> Plan::run_on_device(KeptScene& scene, ImageView<float> out, double border_value,
+                                                 int threads) const {
+  std::unique_ptr<DeviceImage> image;
+  const ImageView<const float> in = scene.planes().front().view();
+  run_planes(std::span(&in, 1), std::span(&out, 1), border_value, threads, scene.kept(), {}, &image);
+  return image;
 }
 
 // The engine of a device has written nothing where it fails.

@@ -185,6 +185,8 @@ struct PlanReport {
 /// UsageError when the scene is smaller than one pixel.
 SampleGrid detector_grid(const System<double>& system, const SampleGrid& scene);
 
+class DeviceImage;
+
 class Plan {
  public:
   const PlanReport& report() const;
@@ -208,6 +210,13 @@ class Plan {
   /// The same of a scene that comes again, of whose transforms the later runs are spared (kept_scene.h).
   void run(KeptScene& scene, std::span<const ImageView<float>> out, double border_value = 0.0, int threads = 0) const;
 
+  /// The same of a scene of one plane whose image may stay on the device that filters it. Then it is returned and `out`
+  /// is not written; null where the image is in `out`. What happens to it later may throw DeviceError.
+  std::unique_ptr<DeviceImage> run_on_device(ImageView<const float> in, ImageView<float> out, double border_value,
+                                             int threads) const;
+  std::unique_ptr<DeviceImage> run_on_device(KeptScene& scene, ImageView<float> out, double border_value,
+                                             int threads) const;
+
   /// The plan of another system on the same grids and options. FFT plans are shared where the sizes stay, and the
   /// method stays unless it has become impossible or clearly dearer.
   Plan with(const System<double>& system) const;
@@ -218,7 +227,8 @@ class Plan {
   using Take = std::function<void(std::size_t plane, std::int64_t y, std::int64_t x, std::span<const float> samples)>;
   /// `kept`: of each plane, or none. With `take` nothing is written to `out`.
   void run_planes(std::span<const ImageView<const float>> in, std::span<const ImageView<float>> out,
-                  double border_value, int threads, std::span<KeptPlane> kept, const Take& take = {}) const;
+                  double border_value, int threads, std::span<KeptPlane> kept, const Take& take = {},
+                  std::unique_ptr<DeviceImage>* stays = nullptr) const;
   friend Plan compile(const System<double>&, const SampleGrid&, const SampleGrid&, const PlanOptions&);
   friend Plan compile_over_field(const System<double>&, const SampleGrid&, const SampleGrid&, const PlanOptions&);
   friend Plan compile_over_range(const System<double>&, const SampleGrid&, const SampleGrid&, const PlanOptions&);

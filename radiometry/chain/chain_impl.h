@@ -10,6 +10,7 @@
 #include <mutex>
 #include <optional>
 
+#include "mtf/device/device_image.h"
 #include "mtf/work/stopwatch.h"
 #include "radiometry/chain/chain.h"
 #include "radiometry/stages/detector/saturation.h"
@@ -30,6 +31,13 @@ struct Linear {
   SharedMap map{};
   double added = 0.0;
 };
+
+/// As the operations of an image on a device take it.
+inline mtf::DeviceLinear for_device(const Linear& linear, bool is_offset) {
+  const double number = is_offset && !linear.map ? linear.number + linear.added : linear.number;
+  const double added = is_offset && !linear.map ? 0.0 : linear.added;
+  return {linear.map, static_cast<float>(number), static_cast<float>(added)};
+}
 
 /// image = gain x image + offset. The image has steps x steps samples for each pixel of the maps.
 void multiply_add(mtf::Image& image, const Linear& gain, const Linear& offset, int threads, std::int64_t steps = 1);
@@ -109,6 +117,10 @@ struct StageRow {
   StageWords (*words)(const mtf::System<double>& system, const Sensor& sensor) = nullptr;
   /// Acts on a frame. Null where a later row has the effect of this one too.
   void (*step)(FrameRun& run, mtf::Image& image) = nullptr;
+  /// The same on the device where the frame is, to the bit; null: the frame comes back first.
+  void (*step_on_device)(FrameRun& run, mtf::DeviceImage& image) = nullptr;
+  /// What becomes of the value of a constant border, where that is not the step's.
+  void (*border)(FrameRun& run) = nullptr;
 };
 
 /// Every row, in the order of the chain.
@@ -254,12 +266,17 @@ struct FrameRun {
   std::int64_t noise_rows = 1;      ///< shot and read noise are wanted in the first row and each so-many-th after it
   ChainFrame frame{};
   HeldCounter counter{};
-  SharedMap map{};         ///< of the stage that runs
-  mtf::Stopwatch watch{};  ///< since the last lap
+  SharedMap map{};                                ///< of the stage that runs
+  mtf::Stopwatch watch{};                         ///< since the last lap
+  bool may_stay = false;                          ///< on the device that filters it, until a stage has no step there
+  mtf::Image given{};                             ///< the scene of a frame that has stayed there, unless it is kept
+  std::unique_ptr<mtf::DeviceImage> on_device{};  ///< the frame, while it is there
 
   /// Notes the time since the last lap; times of a stage that runs for several positions add up.
   void lap(std::string_view stage);
   void run(StageRow::Part part, mtf::Image& image);
+  /// Brings a frame back that is on a device.
+  void bring_back(mtf::Image& image);
   /// The stages after the sampling and the optics, up to an output stage.
   void run_to(OutputStage stage);
 };

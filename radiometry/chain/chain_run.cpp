@@ -50,6 +50,7 @@ void run_detector(FrameRun& run, mtf::Image& image, OutputStage stage) {
   run.counter.count(run.frame.held, run.frame.held_defects);
   for (const Part part : {Part::conversion, Part::correction})
     if (goes_through(part, stage)) run.run(part, image);
+  run.bring_back(image);
 }
 
 /// Runs the frames of the positions of [microscan] and puts them together.
@@ -117,13 +118,32 @@ void FrameRun::run(Part part, mtf::Image& image) {
     if (stage.part != part || (stage.in_sequence && state == nullptr)) continue;
     const auto own = maps.detector->of_stages.find(stage.name);
     map = own != maps.detector->of_stages.end() ? own->second : nullptr;
-    stage.step(*this, image);
-    lap(stage.timing);
+    if (on_device != nullptr && stage.step_on_device != nullptr) {
+      stage.step_on_device(*this, *on_device);
+    } else {
+      bring_back(image);
+      stage.step(*this, image);
+    }
+    if (stage.border != nullptr) stage.border(*this);
+    lap(on_device ? "device" : stage.timing);
   }
+}
+
+void FrameRun::bring_back(mtf::Image& image) {
+  if (!on_device) return;
+  const mtf::DeviceImage::Held pixels = on_device->download(image.view(), threads);
+  on_device.reset();
+  given = {};
+  frame.well.high += pixels.well;
+  frame.held.full_well += pixels.well;
+  frame.adc.low += pixels.least, frame.held.least_count += pixels.least;
+  frame.adc.high += pixels.most, frame.held.most_count += pixels.most;
+  lap("device");
 }
 
 void FrameRun::run_to(OutputStage stage) {
   frame.held.volts = frame.held_defects.volts = chain.pixel.thermal();
+  if (stage < OutputStage::electrons) bring_back(frame.image);
   if (stage == OutputStage::radiance) return;
   if (stage == OutputStage::irradiance) {
     cast_on_detector(*this, frame.image);
@@ -155,23 +175,43 @@ ChainFrame Chain::run(mtf::KeptScene& radiance, std::uint32_t number, OutputStag
 ChainFrame Chain::run_scene(mtf::Image radiance, mtf::KeptScene* kept, std::uint32_t number, OutputStage stage,
                             double border_value, int threads, ChainState* state, std::int64_t noise_rows) const {
   require_output_stage(stage, compiled_->last, compiled_->adc.has_value(), compiled_->settings.thermal.has_value());
-  FrameRun run{.chain = *compiled_,
-               .maps = *compiled_->maps,
-               .threads = mtf::threads_of(threads),
-               .key = {compiled_->seed, number},
-               .number = number,
-               .kept = kept,
-               .border = border_value};
-  run.frame.image = std::move(radiance);
-  if (rows_stand_alone(*compiled_, stage)) run.noise_rows = std::max<std::int64_t>(1, noise_rows);
-  run.run(Part::optics, run.frame.image);
-  if (state != nullptr && stage >= OutputStage::watts && !compiled_->settings.microscan) {
-    run.state = state;
-    if (state->last && number > *state->last) run.frames_passed = number - *state->last;
-    state->last = number;
+  const mtf::DeviceChoice& device = compiled_->plan.options.device;
+  const std::optional<std::uint32_t> last = state != nullptr ? state->last : std::nullopt;
+  const auto made = [&](bool on_device) {
+    if (state != nullptr) state->last = last;
+    FrameRun run{.chain = *compiled_,
+                 .maps = *compiled_->maps,
+                 .threads = mtf::threads_of(threads),
+                 .key = {compiled_->seed, number},
+                 .number = number,
+                 .kept = kept,
+                 .border = border_value};
+    run.may_stay = on_device;
+    if (!on_device && rows_stand_alone(*compiled_, stage)) run.noise_rows = std::max<std::int64_t>(1, noise_rows);
+    run.frame.image = std::move(radiance);
+    try {
+      run.run(Part::optics, run.frame.image);
+      if (state != nullptr && stage >= OutputStage::watts && !compiled_->settings.microscan) {
+        run.state = state;
+        if (state->last && number > *state->last) run.frames_passed = number - *state->last;
+        state->last = number;
+      }
+      run.run_to(stage);
+    } catch (...) {
+      radiance = std::move(run.given);
+      throw;
+    }
+    return std::move(run.frame);
+  };
+  const bool filters = compiled_->plan.presample.report().method == "fft_device";
+  const bool moves = compiled_->settings.microscan || (compiled_->settings.distortion && kept == nullptr);
+  // A frame comes back before a stage that remembers changes its state: it can be made once more by the processor.
+  try {
+    return made(filters && !moves && device.device->info().doubles);
+  } catch (const mtf::DeviceError&) {
+    if (device.insisted) throw;
   }
-  run.run_to(stage);
-  return std::move(run.frame);
+  return made(false);
 }
 
 void Chain::prepare(OutputStage stage, int threads) const {

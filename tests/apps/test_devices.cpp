@@ -75,5 +75,18 @@ TEST(Devices, AreTakenByTheirIdAndRefusedByName) {
   EXPECT_GE(rows, 3);
 }
 
+// The extremes of `mtf check` on the device: every promise is held, and none for want of a comparison.
+TEST(Devices, KeepThePromisesOfTheEngineAtItsExtremes) {
+  const Scratch scratch;
+  const nlohmann::json devices = listed(scratch)["devices"];
+  if (devices.empty()) GTEST_SKIP() << "no device";
+  const std::string id = devices[0]["id"];
+  const Result result = scratch.run("mtf check --format json --device " + id);
+  ASSERT_EQ(result.status, 0) << result.out << result.err;
+  const nlohmann::json json = nlohmann::json::parse(result.out);
+  EXPECT_EQ(json["checks"].size(), 7U);
+  for (const auto& check : json["checks"]) EXPECT_EQ(check["component"], "engine, " + id);
+}
+
 }  // namespace
 }  // namespace apps_test

@@ -48,7 +48,7 @@ FrameMaker maker() {
   mtf::Image plane(64, 48);
   for (std::int64_t i = 0; i < plane.size(); ++i) plane.data()[i] = 300.0F + static_cast<float>(i % 37);
   scene.planes.push_back(std::move(plane));
-  return {SceneSource{.image = std::move(scene)}, NanPolicy::refuse, 1};
+  return {SceneSource{.image = std::move(scene)}, {.threads = 1}};
 }
 
 bool same_pixels(const KeptFrame& a, const KeptFrame& b) {

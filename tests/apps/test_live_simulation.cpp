@@ -67,6 +67,17 @@ bool same_work(const mtf::SensorPlan& a, const mtf::SensorPlan& b) {
          (!a.readout || same(*a.readout, *b.readout));
 }
 
+// The device that is named reaches the plans of images that follow one another.
+TEST_F(LiveSimulation, ADeviceIsAmongTheCandidates) {
+  const std::vector<mtf::DeviceInfo> devices = mtf::devices().devices;
+  if (devices.empty()) GTEST_SKIP() << "no device";
+  apps::LiveSimulation live(temperatures(), {.device = {mtf::open_device(devices.front()), true}});
+  image(live, sensor(kPlain), 0, apps::CorrectionOf::own);
+  const auto& candidates = live.plan().presample.report().candidates;
+  EXPECT_TRUE(std::any_of(candidates.begin(), candidates.end(),
+                          [](const mtf::Candidate& c) { return c.method == mtf::Method::fft_device; }));
+}
+
 // Rows that nobody looks at may be without noise; the others are those of the whole image. Where a stage takes values
 // from other rows, all of them have it.
 TEST_F(LiveSimulation, NoiseOfTheRowsThatAreLookedAt) {

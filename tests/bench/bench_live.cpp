@@ -35,7 +35,7 @@ void run(char** argv, int every, int count) {
   const double low = std::atof(argv[4]), high = std::atof(argv[5]);
   apps::live::EditedSensor edited(
       std::make_shared<const mtf::io::SensorConfig>(mtf::io::load_config(argv[1], nullptr, apps::sensor_schema())));
-  apps::live::FrameMaker maker({.file = argv[2]}, apps::NanPolicy::refuse, 0);
+  apps::live::FrameMaker maker({.file = argv[2]}, apps::SimulateOptions{});
   constexpr int kFirst = 5;  // not counted
   std::vector<double> times, bytes;
   double processor = 0.0;

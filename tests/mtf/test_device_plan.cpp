@@ -244,6 +244,23 @@ TEST(DevicePlan, is_done_by_the_processor_where_the_device_fails) {
   }
 }
 
+TEST(DevicePlan, runs_again_on_a_device_whose_memory_was_taken) {
+  const std::optional<DeviceInfo> info = tested_device();
+  if (!info) GTEST_SKIP() << "no device";
+  const System<double> system = with(bare(15.0, 15.0), {gaussian(9.0)});
+  const SampleGrid in = scene_grid(system, 48, 36, 2.0, 2.0), out = detector_grid(system, in);
+  const Image scene = random_image(48, 36, 9, 10.0);
+  PlanOptions options = options_for(scene, Border::reflect, 1e-4);
+  options.method = Method::fft_device;
+  options.device = {open_device(*info, DeviceFault::memory), true};
+  const Plan plan = compile(system, in, out, options);
+  EXPECT_THROW(run(plan, scene), DeviceMemoryError);
+  expect_says(options.device.device->failure().value(), {"no memory left"});
+  options.device.device->parts().fault = DeviceFault::none;
+  const auto expected = reference_image(scene, in, out, otf_of(system, Stage::presample), Border::reflect, 0.0);
+  EXPECT_LE(rms_distance(run(plan, scene), expected) / options.scene->std, 1e-4);
+}
+
 TEST(DevicePlan, leaves_an_otf_that_changes_over_the_field_to_the_processor) {
   if (!open_tested_device()) GTEST_SKIP() << "no device";
   const System<double> system = seidel(0.1, 0.5, 0.5, 0.5, 0.0);

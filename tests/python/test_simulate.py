@@ -441,3 +441,18 @@ def test_a_spacing_beside_a_file_is_refused_with_the_remedy(sensor, scene, tmp_p
     run = sensor.simulate(mk.read(tmp_path / "q.png").plane(), sample="3.75 um", quantity="counts")  # the remedies
     mk.write(tmp_path / "q.exr", image, sample="3.75 um", quantity="counts")
     assert np.array_equal(sensor.simulate(tmp_path / "q.exr").image, run.image)
+
+
+def test_a_device_filters_where_it_is_named() -> None:
+    scene = np.random.default_rng(3).random((96, 128)).astype(np.float32)
+    sensor = mk.Sensor(frame=dict(focal_length="100 mm", pitch="15 um"), presample=[mk.Gaussian(sigma="9 um")])
+    with pytest.raises(mk.UsageError, match="there is no device voodoo"):
+        sensor.simulate(scene, device="voodoo")
+    if all(device["cpu"] for device in mk.devices()):
+        assert any("no device beside the processor" in warning for warning in sensor.simulate(scene, device="auto").warnings)
+    for device in mk.devices():
+        assert device["admitted"], device["reason"]
+        own, others = sensor.simulate(scene).image, sensor.simulate(scene, device=device["id"])
+        assert np.sqrt(np.mean((own - others.image) ** 2)) <= 2e-4 * scene.std()
+        plan = sensor.compile(scene.shape, device=device["id"])
+        assert np.sqrt(np.mean((own - plan(scene)) ** 2)) <= 2e-4 * scene.std()

@@ -46,6 +46,7 @@ struct SceneViewOptions {
   std::string temperatures{};  ///< folder of `mtf heat`, or a table of facets; "": given in the scene file, or solved
   std::string time{};          ///< of the first picture; "": the first time that temperatures have
   bool no_air = false;
+  mtf::DeviceChoice device{};
   std::function<void(const std::string&)> tell{};  ///< hears what is going on, for the page
 };
 

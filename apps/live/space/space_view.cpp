@@ -13,6 +13,7 @@
 #include "apps/live/space/solved_scenes.h"
 #include "apps/scene/command/read_scene.h"
 #include "apps/scene/fly/flight.h"
+#include "apps/simulate/simulate_parts.h"
 #include "apps/terminal/progress_line.h"
 #include "mtf/error.h"
 #include "mtf/io/config/config_edit.h"
@@ -61,6 +62,7 @@ std::vector<CameraPlace> places_around(const Viewpoint& from) {
 struct Shared {
   double begin_s = 0.0, end_s = 0.0;
   int threads = 0;
+  mtf::DeviceChoice device{};
   std::unique_ptr<SolvedScenes> scenes{};
 };
 
@@ -74,7 +76,8 @@ struct Drawing {
   std::optional<radiometry::OutputStage> stage{};
 
   KeptFrame frame(const Sensor& sensor, const FrameRequest& request) {
-    const SimulateOptions image{.tolerance = request.tolerance, .stage = request.stage, .threads = shared->threads};
+    const SimulateOptions image{
+        .tolerance = request.tolerance, .stage = request.stage, .device = shared->device, .threads = shared->threads};
     const SolvedScenes::Found found = shared->scenes->find(request.scene, request.tab);
     // Until it is there the page has the scene that it had before.
     const bool own = scene && tab == request.tab;
@@ -117,6 +120,7 @@ struct Drawing {
       if (std::string text = sampling_warning(picture, kSamples); !text.empty())
         kept.warnings.push_back(std::move(text));
       if (!memory.empty()) kept.warnings.push_back(memory);
+      if (const std::string failed = device_words(shared->device); !failed.empty()) kept.warnings.push_back(failed);
       flight->look_ahead(places_around(from));  // the camera will turn
     }
     return kept;
@@ -220,6 +224,7 @@ Space open_space(const SceneViewOptions& options, const Global& global) {
   start->source = std::make_unique<PictureSource>(file, air, std::move(rows));
   const auto shared = std::make_shared<Shared>();
   shared->threads = global.threads;
+  shared->device = options.device;
   shared->begin_s = file.time.start_s, shared->end_s = file.time.end_s;
   if (const auto span = start->source->temperatures_span_utc_s())
     shared->begin_s = std::max(shared->begin_s, (*span)[0]), shared->end_s = std::min(shared->end_s, (*span)[1]);

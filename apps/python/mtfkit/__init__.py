@@ -32,7 +32,7 @@ from mtfkit.images import Image, read, write
 from mtfkit.findings import Finding, Findings
 from mtfkit.scenes import Heat, Picture, heat, render
 from mtfkit.sensors import Sensor
-from mtfkit.plans import Plan
+from mtfkit.plans import Plan, devices
 from mtfkit.runs import Run
 from mtfkit.studies import Study
 from mtfkit.study_results import Gradient, Optimum, StudyColumn
@@ -42,7 +42,7 @@ if TYPE_CHECKING:  # a class for each kind of component, made when one is asked 
 __all__ = ["Budget", "Camera", "CameraNumber", "Column", "Component", "CurveData", "Curves", "Custom", "DataError", "Edge", "Edges", "Error",
            "Estimate", "Figure", "Figures", "Finding", "Findings", "Fit", "General", "Gradient", "Heat", "Image", "Optimum",
            "Parameter", "Picture", "Plan", "Run", "Sampled", "Sensor", "Stack", "Study", "StudyColumn", "ToleranceError", "UsageError",
-           "__version__", "air", "characterize", "components", "custom", "fit", "heat", "kinds", "light", "measure", "metrics", "noise", "read",
+           "__version__", "air", "characterize", "components", "custom", "devices", "fit", "heat", "kinds", "light", "measure", "metrics", "noise", "read",
            "render", "targets", "write"]
 
 

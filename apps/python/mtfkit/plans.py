@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 import time
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
@@ -131,7 +132,8 @@ def _is_shape(scene: object) -> bool:
 
 
 def compile_plan(sensor: Sensor, scene: npt.ArrayLike | tuple[int, int], *, sample: quantities.Value,
-                 quantity: str | None, tolerance: float | None, stage: str | None, rigor: str, threads: int) -> Plan:
+                 quantity: str | None, tolerance: float | None, stage: str | None, rigor: str, device: str,
+                 threads: int) -> Plan:
     """`Sensor.compile`."""
     start, sample = time.perf_counter(), sample_of([scene], sample)
     words, measure, threads = quantities.sample_words(sample), is_measured(rigor), quantities.thread_count(threads)
@@ -145,21 +147,30 @@ def compile_plan(sensor: Sensor, scene: npt.ArrayLike | tuple[int, int], *, samp
         file = canvas.sensor_for(sensor, (rows, columns), words)
     plan: _core.LinearPlan | _core.ChainPlan
     if file.has_chain:
-        plan = _core.ChainPlan(words, quantity or file.quantity or "radiance", tolerance, stage, canvas, threads)
+        plan = _core.ChainPlan(words, quantity or file.quantity or "radiance", tolerance, stage, canvas, device, threads)
     elif stage is not None:
         raise UsageError("stage: belongs to the chain of a sensor with [detector], which this one does not have")
     else:
         if canvas is not None:
             plane = None if plane is None else canvas(plane)
         height, width = canvas.size_of((rows, columns)) if canvas is not None else (rows, columns)
-        plan = _core.LinearPlan(file, width, height, words, plane, tolerance, measure, threads)
+        plan = _core.LinearPlan(file, width, height, words, plane, tolerance, measure, device, threads)
     request = dict(scene=(rows, columns) if file.has_chain or typical is None else typical, sample=sample,
-                   quantity=quantity, tolerance=tolerance, stage=stage, rigor=rigor, threads=threads)
+                   quantity=quantity, tolerance=tolerance, stage=stage, rigor=rigor, device=device, threads=threads)
     return Plan(sensor, plan, file, (rows, columns), words, canvas, request, time.perf_counter() - start)
 
 
 def _compiled_again(sensor: Sensor, request: dict[str, Any]) -> Plan:
     return compile_plan(sensor, **request)
+
+
+def devices() -> list[dict[str, Any]]:
+    """Graphics cards and other devices that may filter images, each opened and tested, as `mtf devices --format json`.
+
+    Each has `id`, `name`, `vendor`, `driver`, `backend`, `memory_bytes`, `cpu` and `admitted`; one that is admitted its
+    `rms_error` and times of filters [ms] and transfers, another one the `reason`.
+    """
+    return list(json.loads(_core.devices())["devices"])
 
 
 def is_measured(rigor: str) -> bool:

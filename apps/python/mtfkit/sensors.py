@@ -279,7 +279,8 @@ class Sensor:
                  schedule: str | os.PathLike[str] | Sequence[tuple[int, str, quantities.Value]] | None = None,
                  roi: tuple[int, int, int, int] | None = None, memory: int | None = None,
                  rigor: str = "estimate", out: str | os.PathLike[str] | None = None,
-                 range: tuple[float, float] | None = None, threads: int = 0, progress: Any = None) -> Run:
+                 range: tuple[float, float] | None = None, device: str = "cpu", threads: int = 0,
+                 progress: Any = None) -> Run:
         """The image that the sensor makes of a scene, as `mtf simulate`, bit for bit.
 
         `scene`: the name of a file ("frame.%04d.exr" for a sequence), an Image, a 2-D array of physical values, or a
@@ -292,7 +293,8 @@ class Sensor:
         "electrons", "volts", "dn", "display". `seed` and `frame` choose the noise; `frames` (a range or numbers with
         one step) makes a sequence, with a `schedule` of (frame, parameter, value) or its CSV file. `roi` is x, y, width,
         height in pixels; `memory` in bytes makes tiles of a file. `out` writes a file in place of images in memory, PNG
-        and TIFF with `range`. `threads` 0 = all cores, the result is the same for any; `progress` is called with the
+        and TIFF with `range`. `device` is "cpu", "auto" or the id or a part of the name of one of `mtfkit.devices()`, taken
+        where it is faster. `threads` 0 = all cores, the result is the same for any; `progress` is called with the
         share done. Ctrl-C ends the run.
 
         Raises UsageError for a request that cannot be met (ToleranceError, with what can be kept), DataError for NaN
@@ -301,19 +303,19 @@ class Sensor:
         sensor = self if seed is None else self.replace({"noise.seed": seed})
         return run_simulation(sensor, scene, sample=sample, quantity=quantity, beside=beside, tolerance=tolerance, nan=nan,
                               stage=stage, frame=frame, frames=frames, schedule=schedule, roi=roi, memory=memory,
-                              rigor=rigor, out=out, range=range, threads=threads, progress=progress)
+                              rigor=rigor, out=out, range=range, device=device, threads=threads, progress=progress)
 
     @checked
     def compile(self, scene: npt.ArrayLike | tuple[int, int], *, sample: quantities.Value = None,
                 quantity: str | None = None, tolerance: float | None = None, stage: str | None = None,
-                rigor: str = "estimate", threads: int = 0) -> Plan:
+                rigor: str = "estimate", device: str = "cpu", threads: int = 0) -> Plan:
         """A plan that filters many scenes of one size: `plan(scene, out=image)`.
 
         `scene` is a shape (rows, columns), or a typical scene: then the promise counts its contrast and its rounding to
         float32. All else as `simulate`. Of a sensor with [detector] the plan is its whole chain.
         """
         return compile_plan(self, scene, sample=sample, quantity=quantity, tolerance=tolerance, stage=stage, rigor=rigor,
-                            threads=threads)
+                            device=device, threads=threads)
 
     def fit(self, *, edges: Sequence[ImageLike] = (), free: Mapping[str, Any] | Iterable[str] | None = None,
             curves: Sequence[CurveData] = (), spots: Sequence[ImageLike] = (), **options: Any) -> Fit:

@@ -110,7 +110,7 @@ def run_simulation(sensor: Sensor, scene: SceneLike, *, sample: quantities.Value
                    frame: int, frames: Iterable[int] | None,
                    schedule: str | os.PathLike[str] | Sequence[tuple[int, str, quantities.Value]] | None,
                    roi: tuple[int, int, int, int] | None, memory: int | None, rigor: str,
-                   out: str | os.PathLike[str] | None, range: tuple[float, float] | None, threads: int,
+                   out: str | os.PathLike[str] | None, range: tuple[float, float] | None, device: str, threads: int,
                    progress: Any) -> Run:
     """`Sensor.simulate`."""
     planes = scene.values() if isinstance(scene, Mapping) else [scene]
@@ -135,7 +135,7 @@ def run_simulation(sensor: Sensor, scene: SceneLike, *, sample: quantities.Value
     with _folder_for(schedule) as folder, reworded(lambda text: _in_lines(text, folder)):
         run = _core.simulate(file, words, tolerance, nan, is_measured(rigor), stage, roi, memory, span,
                              _schedule_file(schedule, folder), os.fspath(out) if out is not None else "", range, canvas,
-                             quantities.thread_count(threads), told)
+                             device, quantities.thread_count(threads), told)
     if told is not None:
         told(1.0)
     return Run._of(run, time.perf_counter() - start, sensor, canvas, stage)

@@ -262,6 +262,7 @@ int run_fly(const FlyCommandOptions& options, const Global& global) {
                     .begin_s = course.utc_of(0),  // also of a part of a flight: the same light
                     .end_s = course.utc_of(last)};
   how.image.threads = global.threads;
+  how.image.device = device_of(options.device, global);
   how.image.loosen = true;  // a frame of little contrast does not end the flight
   Flight flight(source, file, air, how);
 
@@ -325,6 +326,7 @@ int run_fly(const FlyCommandOptions& options, const Global& global) {
     progress.update("frames", static_cast<double>(done) / static_cast<double>(course.frames.size()));
   }
   if (writing.valid()) values.take(writing.get());
+  if (const std::string failed = device_words(how.image.device); !failed.empty()) note(global, "warning: " + failed);
   const double fps = done > 1 ? 1e3 * static_cast<double>(done - 1) / running.ms() : 0.0;
   const std::vector<std::string> left = left_out(source, flight, frame, lights, late);
   Json json = json_of(times, done, first_ms, flight, frame, left);

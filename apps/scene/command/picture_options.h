@@ -56,7 +56,8 @@ struct FlyCommandOptions {
   double heat_tolerance_k = 0.1;
   SamplingOptions sampling;
   bool no_air = false;
-  SimulateOptions image;          ///< tolerance, range, nan
+  SimulateOptions image;  ///< tolerance, range, nan
+  std::string device = "cpu";
   Format format = Format::table;  ///< of standard output: table or json
 };
 

@@ -514,6 +514,7 @@ SimulateResult simulate_sequence(const mtf::io::SensorConfig& sensor, SceneSourc
   SequenceFrames frames(options, run, std::move(schedule), names, std::move(scene), threads);
   const mtf::Stopwatch clock;
   const std::int64_t in_flight = run_frames(frames, threads, watch);
+  if (const std::string failed = device_words(options.device); !failed.empty()) watch.warn(failed);
   const double seconds = clock.seconds();
 
   SequenceReport facts = frames.report();

@@ -59,7 +59,7 @@ class SequencePlanner {
   /// contrast before and does not keep that of this frame; else the tolerance of the frame.
   double roomy_tolerance(const Frame& frame, double tolerance) const;
 
-  SimulateOptions asked_;  ///< tolerance, loosen, measure and threads
+  SimulateOptions asked_;  ///< tolerance, loosen, measure, device and threads
   double loosened_ = 0.0;  ///< least tolerance that the sensor of plan_ keeps, where that is not its default; else 0
   mtf::io::SceneDefaults scene_;  ///< [scene] of that sensor
   SceneDifficulty loosened_for_;  ///< the frame that needed it

@@ -80,8 +80,11 @@ bool same_but_for_rate(const mtf::System<double>& a, const mtf::System<double>& 
 }  // namespace
 
 SequencePlanner::SequencePlanner(const SimulateOptions& options, int threads)
-    : asked_{.tolerance = options.tolerance, .loosen = options.loosen, .measure = options.measure, .threads = threads} {
-}
+    : asked_{.tolerance = options.tolerance,
+             .loosen = options.loosen,
+             .measure = options.measure,
+             .device = options.device,
+             .threads = threads} {}
 
 double SequencePlanner::roomy_tolerance(const Frame& frame, double tolerance) const {
   const std::optional<mtf::SceneSummary>& scene = frame.input->summary;

@@ -20,6 +20,22 @@ void hold_well(FrameRun& run, mtf::Image& image, const Limit& limit) {
   run.frame.held_defects.full_well += held.stuck.high;
 }
 
+mtf::DeviceRandom device_random(const FrameRun& run, const NoiseKey& key, Stream stream) {
+  const Origin origin = run.maps.origin();
+  return {key.seed, key.frame, static_cast<std::uint32_t>(stream), static_cast<std::uint32_t>(origin.x),
+          static_cast<std::uint32_t>(origin.y)};
+}
+
+void add_lines_on_device(const FrameRun& run, mtf::DeviceImage& image, double rms, const NoiseKey& key, Stream stream,
+                         bool of_rows) {
+  if (rms == 0.0) return;
+  const mtf::Image& frame = run.frame.image;
+  const Origin origin = run.maps.origin();
+  image.add_lines(of_rows ? line_numbers(rms, key, stream, origin.y, frame.height())
+                          : line_numbers(rms, key, stream, origin.x, frame.width()),
+                  of_rows);
+}
+
 bool has_well(const Sensor& sensor) { return std::isfinite(sensor.settings.detector->full_well_e); }
 
 std::string well_of(const Sensor& sensor) {
@@ -47,6 +63,9 @@ std::span<const StageRow> charge_rows() {
        },
        .step = [](FrameRun& run, mtf::Image& electrons) -> void {
          multiply_add(electrons, {}, {run.chain.dark_e, run.map, -run.chain.dark_e}, run.threads);
+       },
+       .step_on_device = [](FrameRun& run, mtf::DeviceImage& electrons) -> void {
+         electrons.multiply_add({}, for_device({run.chain.dark_e, run.map, -run.chain.dark_e}, true));
        }},
       {.name = "defects",
        .words = [](const System&, const Sensor& sensor) -> StageWords {
@@ -79,6 +98,9 @@ std::span<const StageRow> charge_rows() {
        .step = [](FrameRun& run, mtf::Image& electrons) -> void {
          shot_noise(electrons.view(), run.key, run.maps.origin(), run.threads, run.noise_rows);
          run.frame.noise_rows = run.noise_rows;
+       },
+       .step_on_device = [](FrameRun& run, mtf::DeviceImage& electrons) -> void {
+         electrons.shot_noise(device_random(run, run.key, Stream::shot));
        }},
       {.name = "full well",
        .words = [](const System&, const Sensor& sensor) -> StageWords {
@@ -86,10 +108,11 @@ std::span<const StageRow> charge_rows() {
          if (sensor.settings.blooming) return {false, "[blooming] takes its place"};
          return said(well_of(sensor), "no full_well in [detector]");
        },
-       .step = [](FrameRun& run, mtf::Image& electrons) -> void {
-         hold_well(run, electrons, fill_well);
-         run.border = std::min(run.border, run.chain.pixel.full_well_e);
-       }},
+       .step = [](FrameRun& run, mtf::Image& electrons) -> void { hold_well(run, electrons, fill_well); },
+       .step_on_device = [](FrameRun& run, mtf::DeviceImage& electrons) -> void {
+         electrons.hold_well(static_cast<float>(run.chain.pixel.full_well_e));
+       },
+       .border = [](FrameRun& run) { run.border = std::min(run.border, run.chain.pixel.full_well_e); }},
       {.name = "blooming",
        .whole_image = "spills charge over any number of pixels",
        .require = [](const System&, const Sensor& sensor) -> void {
@@ -124,8 +147,12 @@ std::span<const StageRow> charge_rows() {
        },
        .step = [](FrameRun& run, mtf::Image& electrons) -> void {
          apply_response(electrons.view(), *run.chain.response, run.threads);
-         run.border = (*run.chain.response)(run.border);
-       }},
+       },
+       .step_on_device = [](FrameRun& run, mtf::DeviceImage& electrons) -> void {
+         const Nonlinearity& bent = *run.chain.settings.nonlinearity;
+         electrons.bend(run.chain.pixel.full_well_e, bent.a2, bent.a3, bent.a4);
+       },
+       .border = [](FrameRun& run) { run.border = (*run.chain.response)(run.border); }},
       {.name = "readout",
        .whole_image = "filters pixels together with their neighbours",
        .words = filters<mtf::Stage::readout>,
@@ -146,7 +173,8 @@ std::span<const StageRow> charge_rows() {
          return said(terms({{"dsnu", unequal ? unequal->dsnu_e : 0.0}}, rms_unit(sensor)),
                      "no dsnu in [nonuniformity]");
        },
-       .step = [](FrameRun& run, mtf::Image& electrons) { add_map(electrons.view(), run.map->view(), run.threads); }},
+       .step = [](FrameRun& run, mtf::Image& electrons) { add_map(electrons.view(), run.map->view(), run.threads); },
+       .step_on_device = [](FrameRun& run, mtf::DeviceImage& electrons) { electrons.add(run.map); }},
       {.name = "read noise",
        .timing = "read",
        .require = [](const System&, const Sensor& sensor) -> void {
@@ -178,6 +206,10 @@ std::span<const StageRow> charge_rows() {
          add_gaussian(electrons.view(), run.chain.read_e, run.key, Stream::read, run.maps.origin(), run.threads,
                       run.noise_rows);
          run.frame.noise_rows = run.noise_rows;
+       },
+       .step_on_device = [](FrameRun& run, mtf::DeviceImage& electrons) -> void {
+         if (run.chain.read_e > 0.0)
+           electrons.add_gaussian(static_cast<float>(run.chain.read_e), device_random(run, run.key, Stream::read));
        }},
       {.name = "1/f noise from frame to frame",
        .timing = "read",
@@ -235,6 +267,14 @@ std::span<const StageRow> charge_rows() {
          add_column_noise(electrons.view(), noise.column_e, run.key, Stream::temporal_column, origin);
          add_row_noise(electrons.view(), noise.fixed_row_e, fixed, Stream::fixed_row, origin);
          add_column_noise(electrons.view(), noise.fixed_column_e, fixed, Stream::fixed_column, origin);
+       },
+       .step_on_device = [](FrameRun& run, mtf::DeviceImage& electrons) -> void {
+         const NoiseSettings& noise = *run.chain.settings.noise;
+         const NoiseKey fixed{run.key.seed, 0};
+         add_lines_on_device(run, electrons, noise.row_e, run.key, Stream::temporal_row, true);
+         add_lines_on_device(run, electrons, noise.column_e, run.key, Stream::temporal_column, false);
+         add_lines_on_device(run, electrons, noise.fixed_row_e, fixed, Stream::fixed_row, true);
+         add_lines_on_device(run, electrons, noise.fixed_column_e, fixed, Stream::fixed_column, false);
        }},
       {.name = "3-D noise",
        .words = [](const System&, const Sensor& sensor) -> StageWords {

@@ -46,6 +46,13 @@ std::span<const StageRow> count_rows() {
          };
          add(run.frame.held, held.light());
          add(run.frame.held_defects, held.stuck);
+       },
+       .step_on_device = [](FrameRun& run, mtf::DeviceImage& electrons) -> void {
+         const AdcScale scale = scale_of(*run.chain.adc);
+         electrons.digitise(scale.counts_per_electron, scale.offset, scale.most);
+       },
+       .border = [](FrameRun& run) -> void {
+         const Adc& adc = *run.chain.adc;
          run.border = run.border / adc.electrons_per_count + adc.offset_counts;
        }},
       {.name = "correction",

@@ -68,13 +68,26 @@ void require_closing(const System&, const Sensor& sensor) {
                " s; give that at least, or remove it: without it every frame has an offset of its own");
 }
 
+void add_offset(mtf::Image& image, const Linear& offset, int threads) { multiply_add(image, {}, offset, threads); }
+void add_offset(mtf::DeviceImage& image, const Linear& offset, int) {
+  image.multiply_add({}, for_device(offset, true));
+}
+
 /// Adds light of the camera itself to a frame of volts.
-void add_glow(FrameRun& run, mtf::Image& image, const Directions<double>& light) {
+template <class Frame>
+void add_glow(FrameRun& run, Frame& image, const Directions<double>& light) {
   if (light.cone_e == 0.0 && light.around_e == 0.0) return;
-  multiply_add(image, {},
-               glow_of(run.chain, light, run.maps.corners, run.maps.detector->responsivity, 0.0, run.threads),
-               run.threads);
+  add_offset(image, glow_of(run.chain, light, run.maps.corners, run.maps.detector->responsivity, 0.0, run.threads),
+             run.threads);
   run.border += light.total_e();
+}
+
+/// What follows the light of the scene: the border, and what the camera has warmed since frame 0.
+template <class Frame>
+void warm_up(FrameRun& run, Frame& image) {
+  const CompiledChain& chain = run.chain;
+  run.border = chain.gain * run.border + chain.glow_e();
+  if (chain.events) add_glow(run, image, warming_of(chain, run.number));
 }
 
 }  // namespace
@@ -200,10 +213,12 @@ std::span<const StageRow> light_rows() {
        }},
       {.name = "collect",
        .step = [](FrameRun& run, mtf::Image& image) -> void {
-         const CompiledChain& chain = run.chain;
          multiply_add(image, run.maps.light, run.maps.glow, run.threads);
-         run.border = chain.gain * run.border + chain.glow_e();
-         if (chain.events) add_glow(run, image, warming_of(chain, run.number));
+         warm_up(run, image);
+       },
+       .step_on_device = [](FrameRun& run, mtf::DeviceImage& image) -> void {
+         image.multiply_add(for_device(run.maps.light, false), for_device(run.maps.glow, true));
+         warm_up(run, image);
        }},
       {.name = "lag",
        .in_sequence = true,

@@ -40,10 +40,18 @@ std::span<const StageRow> optics_rows() {
        .part = optics,
        .step = [](FrameRun& run, mtf::Image& scene) -> void {
          const mtf::Plan& plan = run.chain.plan.presample;
-         if (run.kept == nullptr) return filter(plan, run, scene);
-         scene = mtf::Image(plan.out().width, plan.out().height);
-         const mtf::ImageView<float> out = scene.view();
-         plan.run(*std::exchange(run.kept, nullptr), std::span(&out, 1), run.border, run.threads);
+         if (run.kept == nullptr && !run.may_stay) return filter(plan, run, scene);
+         mtf::Image image(plan.out().width, plan.out().height);
+         const mtf::ImageView<float> out = image.view();
+         if (run.kept == nullptr)
+           run.on_device = plan.run_on_device(scene.view(), out, run.border, run.threads);
+         else if (run.may_stay)
+           run.on_device = plan.run_on_device(*run.kept, out, run.border, run.threads);
+         else
+           plan.run(*run.kept, std::span(&out, 1), run.border, run.threads);
+         run.kept = nullptr;
+         std::swap(scene, image);
+         if (run.on_device) run.given = std::move(image);
          run.border *= plan.dc();
        }},
       {.name = "veiling glare",

@@ -13,13 +13,9 @@ namespace {
 
 constexpr std::int64_t kRowsAtOnce = 16;
 
-/// The numbers of a conversion as the loop takes them.
-struct Scale {
-  double counts_per_electron, offset, most;
-};
-
 /// Counts of a row; the numbers held at the ends are added up.
-MTFKIT_CLONES void convert_row(const Scale& scale, std::int64_t width, const float* in, float* out, Clipped& clipped) {
+MTFKIT_CLONES void convert_row(const AdcScale& scale, std::int64_t width, const float* in, float* out,
+                               Clipped& clipped) {
   std::int64_t low = 0, high = 0;
   for (std::int64_t x = 0; x < width; ++x) {
     const double count = std::floor(static_cast<double>(in[x]) * scale.counts_per_electron + scale.offset);
@@ -32,7 +28,7 @@ MTFKIT_CLONES void convert_row(const Scale& scale, std::int64_t width, const flo
   clipped.high += high;
 }
 
-MTFKIT_CLONES void convert_row(const Scale& scale, std::int64_t width, const float* in, std::uint32_t* out,
+MTFKIT_CLONES void convert_row(const AdcScale& scale, std::int64_t width, const float* in, std::uint32_t* out,
                                Clipped& clipped) {
   std::int64_t low = 0, high = 0;
   for (std::int64_t x = 0; x < width; ++x) {
@@ -64,13 +60,13 @@ float well_of(double full_well_e) {
   return static_cast<float>(full_well_e);
 }
 
-Scale scale_of(const Adc& adc) {
+}  // namespace
+
+AdcScale scale_of(const Adc& adc) {
   require_valid("adc", adc);
   return {1.0 / adc.electrons_per_count, adc.offset_counts + (adc.rounding == Rounding::nearest ? 0.5 : 0.0),
           adc.most_counts()};
 }
-
-}  // namespace
 
 double Adc::most_counts() const { return std::ldexp(1.0, bits) - 1.0; }
 
@@ -102,7 +98,7 @@ Clipped above_well(mtf::ImageView<const float> image, double full_well_e, int th
 }
 
 Clipped digitise(mtf::ImageView<float> image, const Adc& adc, int threads) {
-  const Scale scale = scale_of(adc);
+  const AdcScale scale = scale_of(adc);
   return over_rows(image.height, threads, [&](std::int64_t y, Clipped& clipped) {
     convert_row(scale, image.width, image.row(y), image.row(y), clipped);
   });
@@ -110,7 +106,7 @@ Clipped digitise(mtf::ImageView<float> image, const Adc& adc, int threads) {
 
 Clipped digitise_to(mtf::ImageView<const float> electrons, const Adc& adc, mtf::ImageView<std::uint32_t> counts,
                     int threads) {
-  const Scale scale = scale_of(adc);
+  const AdcScale scale = scale_of(adc);
   if (electrons.width != counts.width || electrons.height != counts.height)
     throw mtf::UsageError("digitise_to: an image of " + size_of(electrons.width, electrons.height) +
                           " electrons into one of " + size_of(counts.width, counts.height) +

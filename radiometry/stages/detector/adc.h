@@ -43,6 +43,13 @@ struct Adc {
 /// The converter whose range is the full well.
 Adc adc_for_well(double full_well_e, int bits);
 
+/// A conversion as its loop takes it: floor(electrons x counts_per_electron + offset), held between 0 and `most`.
+struct AdcScale {
+  double counts_per_electron, offset, most;
+};
+/// Throws UsageError for an Adc out of its bounds.
+AdcScale scale_of(const Adc& adc);
+
 /// How many pixels were held at an end of the range.
 struct Clipped {
   std::int64_t low = 0, high = 0;

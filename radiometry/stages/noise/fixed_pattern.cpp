@@ -16,15 +16,6 @@ void require_rms(const char* what, double rms, double most) {
                           mtf::format_double(most));
 }
 
-/// One number for each of `count` lines from the first one on.
-std::vector<float> line_numbers(double rms, const NoiseKey& key, Stream stream, std::int64_t first,
-                                std::int64_t count) {
-  std::vector<float> numbers(static_cast<std::size_t>(count));
-  gaussian_row({key, stream, 0}, first, count, numbers.data());
-  for (float& number : numbers) number *= static_cast<float>(rms);
-  return numbers;
-}
-
 void require_defects(const Defects& defects) {
   require_valid("defects", defects);
   if (defects.dead_fraction + defects.hot_fraction > 1.0)
@@ -42,6 +33,14 @@ void with_map(mtf::ImageView<float> image, mtf::ImageView<const float> map, int 
 }
 
 }  // namespace
+
+std::vector<float> line_numbers(double rms, const NoiseKey& key, Stream stream, std::int64_t first,
+                                std::int64_t count) {
+  std::vector<float> numbers(static_cast<std::size_t>(count));
+  gaussian_row({key, stream, 0}, first, count, numbers.data());
+  for (float& number : numbers) number *= static_cast<float>(rms);
+  return numbers;
+}
 
 void responsivity_map(mtf::ImageView<float> map, const ResponsivityRms& rms, std::uint64_t seed, Origin origin,
                       int threads) {

@@ -43,6 +43,9 @@ void multiply_by(mtf::ImageView<float> image, mtf::ImageView<const float> map);
 /// image += map.
 void add_map(mtf::ImageView<float> image, mtf::ImageView<const float> map, int threads = 1);
 
+/// One Gaussian number of that rms for each of `count` lines from the first one on.
+std::vector<float> line_numbers(double rms, const NoiseKey& key, Stream stream, std::int64_t first, std::int64_t count);
+
 /// One number for every row, or column, of the detector.
 void add_row_noise(mtf::ImageView<float> image, double rms, const NoiseKey& key, Stream stream, Origin origin = {});
 void add_column_noise(mtf::ImageView<float> image, double rms, const NoiseKey& key, Stream stream, Origin origin = {});

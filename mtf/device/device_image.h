@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// An image that stays on the device that has filtered it (Plan::run_on_device), while a chain of a sensor changes its
+// pixels there, so that it crosses to the host once and not after each stage. Each operation is that of the processor
+// with its roundings in its order, on the same random words (mtf/device/pixels.cl), so that the numbers
+// are the processor's to the bit.
+//
+// The image holds its device: others wait until it is gone. Operations throw DeviceError.
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <span>
+
+#include "mtf/device/device.h"
+#include "mtf/image.h"
+
+namespace mtf {
+
+/// The random numbers of one purpose, from the first pixel of the image on (radiometry/stages/noise/random.h).
+struct DeviceRandom {
+  std::uint64_t seed = 0;
+  std::uint32_t frame = 0, stream = 0;
+  std::uint32_t x = 0, y = 0;  ///< of that pixel on the detector
+};
+
+/// number x map + added at each pixel, as the processor's chain has it; 1 where there is no map.
+struct DeviceLinear {
+  std::shared_ptr<const Image> map{};
+  float number = 1.0F, added = 0.0F;
+};
+
+class DeviceImage {
+ public:
+  /// What a filter has left (mtf/device/device_filter.h), with the lock of its device.
+  DeviceImage(std::shared_ptr<const Device> device, std::int64_t width, std::int64_t height,
+              std::unique_lock<std::mutex> held);
+  DeviceImage(const DeviceImage&) = delete;
+  DeviceImage& operator=(const DeviceImage&) = delete;
+  ~DeviceImage();
+
+  /// image = gain x image + offset. Maps are sent once for as long as they are there.
+  void multiply_add(const DeviceLinear& gain, const DeviceLinear& offset);
+  void add(const std::shared_ptr<const Image>& map);
+  /// A number for each row (`of_rows`), or for each column.
+  void add_lines(std::span<const float> numbers, bool of_rows);
+  void add_gaussian(float sigma, const DeviceRandom& random);
+  /// Poisson numbers of these means.
+  void shot_noise(const DeviceRandom& random);
+  /// Values above `well` become it.
+  void hold_well(float well);
+  /// radiometry::Nonlinearity
+  void bend(double well, double a2, double a3, double a4);
+  /// floor(value x scale + offset), held between 0 and `most`.
+  void digitise(double scale, double offset, double most);
+
+  /// Pixels that were held so far.
+  struct Held {
+    std::int64_t well = 0, least = 0, most = 0;
+  };
+  /// Brings the image to the host.
+  Held download(ImageView<float> out, int threads);
+
+ private:
+  /// Runs work(parts); notes a failure.
+  template <class Work>
+  void on_device(const Work& work);
+  /// A kernel on a grid of `columns` threads for each row; append(parts, arguments) follow image, width and height.
+  template <class Append>
+  void run(const char* kernel, std::int64_t columns, const Append& append);
+  /// The map on the device. Throws UsageError for one of another size.
+  const struct DeviceMemory& map_of(Device::Parts& parts, const std::shared_ptr<const Image>& map) const;
+  /// Threads of a row, each of which makes the two pixels that share random words.
+  std::int64_t pairs(const DeviceRandom& random) const { return (width_ + random.x % 2 + 1) / 2; }
+
+  std::shared_ptr<const Device> device_;
+  std::int64_t width_, height_;
+  std::unique_lock<std::mutex> held_;
+};
+
+}  // namespace mtf

@@ -1,0 +1,180 @@
+
+// ---- what a detector does to the pixels of an image (mtf/device/device_image.h), by the operations of the processor in
+// their order, so that the numbers are the same to the bit ----
+#ifndef HOST
+#if defined(__OPENCL_VERSION__)
+#define COUNT(p) atomic_inc(p)
+#else
+#define COUNT(p) atomicAdd(p, 1u)
+#endif
+
+#define PIXEL                                       \
+  const int x = GX, y = GY;                         \
+  if (x >= columns || y >= rows) return;            \
+  const u64 at = (u64)y * (u64)columns + (u64)x
+
+// image = (g gains + g0) image + (o offsets + o0); 1 in place of a map that is not there.
+KERNEL void multiply_add(GLOBAL float* image, int columns, int rows, GLOBAL const float* gains, int has_gains, float g,
+                         float g0, GLOBAL const float* offsets, int has_offsets, float o, float o0) {
+  PIXEL;
+  const float gain = has_gains ? gains[at] : 1.0f, offset = has_offsets ? offsets[at] : 1.0f;
+  image[at] = (g * gain + g0) * image[at] + (o * offset + o0);
+}
+
+KERNEL void add_map(GLOBAL float* image, int columns, int rows, GLOBAL const float* map) {
+  PIXEL;
+  image[at] += map[at];
+}
+
+// A number for each row, or for each column.
+KERNEL void add_lines(GLOBAL float* image, int columns, int rows, GLOBAL const float* numbers, int of_rows) {
+  PIXEL;
+  image[at] += numbers[of_rows ? y : x];
+}
+
+#ifdef DOUBLES
+// A thread for the two pixels that share a block of random words (radiometry/stages/noise/random.h): those of columns
+// 2 half and 2 half + 1 of the detector, at x and x + 1 of the image.
+#define PAIR                                               \
+  const int y = GY, x = 2 * GX - (int)(x0 & 1u);             \
+  if (x >= columns || y >= rows) return;                   \
+  const u64 at = (u64)y * (u64)columns;                    \
+  const Block w = philox(x0 / 2u + (u32)GX, y0 + (u32)y, frame, stream, k0, k1)
+
+// radiometry/stages/noise/noise_lanes.cpp
+KERNEL void add_gaussian(GLOBAL float* image, int columns, int rows, float sigma, u32 x0, u32 y0, u32 frame, u32 stream,
+                         u32 k0, u32 k1) {
+  PAIR;
+  const int a = (int)(w.x >> 1), b = (int)(w.y >> 1);
+  const float radius = root_of(2.0f * minus_log(unit_interval(a, b), unit_interval(0x7fffffff - a, 0x7fffffff - b)));
+  const Number t = turned(w.z);
+  if (x >= 0) image[at + (u64)x] += sigma * (radius * t.re);
+  if (x + 1 < columns) image[at + (u64)(x + 1)] += sigma * (radius * t.im);
+}
+
+// Poisson numbers by inversion (radiometry/stages/noise/poisson.h): decided in single precision where that is enough,
+// else in double, else by the distribution function.
+#define POISSON_SHIFT(T, NAME)                                                                                   \
+  FUNCTION T NAME(T root, T r, T w) {                                                                            \
+    const T w2 = w * w;                                                                                          \
+    const T c2 = (T)(1.0 / 3.0) + w2 * (T)(1.0 / 6.0);                                                           \
+    const T c3 = -w * ((T)(1.0 / 36.0) + w2 * (T)(1.0 / 72.0));                                                  \
+    const T c4 = (T)(-8.0 / 405.0) + w2 * ((T)(7.0 / 810.0) + w2 * (T)(1.0 / 270.0));                            \
+    const T c5 = w * ((T)(671.0 / 38880.0) + w2 * ((T)(-137.0 / 38880.0) - w2 * (T)(23.0 / 17280.0)));           \
+    const T c6 = (T)(-16.0 / 25515.0) +                                                                          \
+                 w2 * ((T)(-5189.0 / 408240.0) + w2 * ((T)(5.0 / 3024.0) + w2 * (T)(19.0 / 34020.0)));           \
+    return root * w + (c2 + r * (c3 + r * (c4 + r * (c5 + r * c6))));                                            \
+  }
+POISSON_SHIFT(float, shift_single)
+POISSON_SHIFT(double, shift_double)
+
+// sqrt(2) erfinv(v) / v with t = -log(1 - v^2), t in [0, 9].
+FUNCTION float single_quantile(float t) {
+  const float c[12] = {-6.580621634e-4f, 8.901692361e-4f,  2.306393041e-3f,  -6.286894377e-3f,
+                       3.584114741e-3f,  1.085004070e-2f,  -3.489720634e-2f, 4.780312006e-2f,
+                       -4.351840282e-4f, -2.109847588e-1f, 1.406659949f,     2.787602452f};
+  const float s = t * (1.0f / 4.5f) - 1.0f;
+  float p = c[0];
+  for (int k = 1; k < 12; ++k) p = p * s + c[k];
+  return p;
+}
+
+FUNCTION double double_quantile(double t) {
+  const double c[21] = {-3.00455630725053981e-6,   2.63989426676429014e-6,    0.0000196994609146873524,
+                        -0.0000301733728886916126, -0.0000347679085325622356, 0.000124034112558126002,
+                        -0.000103125323658543611,  -0.000122021760702882347,  0.000544608835323060565,
+                        -0.000794842866170302387,  -0.0000428920499485373818, 0.00264613187773460187,
+                        -0.00550344652450229798,   0.00333866703179220183,    0.0105117634501789913,
+                        -0.0348193395513713737,    0.0478730432098852384,     -0.00044538306811529229,
+                        -0.210990227913001496,     1.40666032436943938,       2.78760252330192895};
+  const double s = t * (1.0 / 4.5) - 1.0;
+  double p = c[0];
+  for (int k = 1; k < 21; ++k) p = p * s + c[k];
+  return p;
+}
+
+FUNCTION double poisson_double(int a, int b, double mean) {
+  const double u = ((double)a + ((double)b + 0.5) * 0x1p-31) * 0x1p-31;
+  const double rest = ((double)(0x7fffffff - a) + ((double)(0x7fffffff - b) + 0.5) * 0x1p-31) * 0x1p-31;
+  double n = 0.0;
+  if (isnan(mean)) return mean;
+  if (!(mean > 0.0)) return 0.0;
+  if (isinf(mean)) return mean;
+  if (mean >= 32.0) {
+    const double root = sqrt(mean), t = -log(4.0 * u * rest);
+    const double w = t <= 9.0 ? (u - rest) * double_quantile(t) : quantile_of_normal(u, rest);
+    const double guess = mean + shift_double(root, 1.0 / root, w), part = guess - floor(guess);
+    const double w4 = w * w * w * w;
+    const double error = mean >= 1e8 ? 0.0
+                                     : 12.0 / (mean * mean * root) + 1e-11 * root + 4e-16 * mean +
+                                           (t <= 9.0 ? 0.0 : 1e-3 * w4 * w4 / (mean * mean * root));
+    n = floor(guess) > 0.0 ? floor(guess) : 0.0;
+    if (mean >= 1e8 || ((t <= 9.0 || mean >= 1e4) && part > error && part < 1.0 - error)) return n;
+  } else {
+    double term = exp(-mean), sum = term;
+    for (n = 0.0; n < 256.0; n += 1.0) {
+      const double ahead = u - sum;
+      if (fabs(ahead) < 1e-12) break;
+      if (ahead < 0.0) return n;
+      term *= mean / (n + 1.0);
+      sum += term;
+    }
+  }
+  while (!reaches(n, mean, u, rest)) n += 1.0;
+  while (n > 0.0 && reaches(n - 1.0, mean, u, rest)) n -= 1.0;
+  return n;
+}
+
+FUNCTION float poisson(u32 high, u32 low, float mean) {
+  const int a = (int)(high >> 1), b = (int)(low >> 1);
+  if (mean >= 32.0f && mean < 0x1p22f) {
+    const float root = root_of(mean), r = (float)(1.0 / (double)root);
+    const float s = ((float)(a - 0x40000000) + 0.5f) * 0x1p-30f;
+    const float t = minus_log(4.0f * (unit_interval(a, b) * unit_interval(0x7fffffff - a, 0x7fffffff - b)), s * s);
+    const float w = s * single_quantile(t), whole = floor(mean);
+    const float guess = (mean - whole) + shift_single(root, r, w), n = floor(guess), part = guess - n;
+    const float error = 1.5e-6f * fabs(root * w) + 4e-6f + 12.0f * (r * r) * (r * r) * r;
+    if (part > error && part < 1.0f - error && t < 0.99f * 9.0f) return whole + n;
+  }
+  return (float)poisson_double(a, b, (double)mean);
+}
+
+KERNEL void shot_noise(GLOBAL float* image, int columns, int rows, u32 x0, u32 y0, u32 frame, u32 stream, u32 k0,
+                       u32 k1) {
+  PAIR;
+  if (x >= 0) image[at + (u64)x] = poisson(w.x, w.y, image[at + (u64)x]);
+  if (x + 1 < columns) image[at + (u64)(x + 1)] = poisson(w.z, w.w, image[at + (u64)(x + 1)]);
+}
+
+// radiometry/stages/detector: the full well; a response that is not straight; the converter. Pixels that are held at an
+// end are counted: counts[0] at the well, [1] and [2] at the least and the largest count.
+KERNEL void hold_well(GLOBAL float* image, int columns, int rows, GLOBAL u32* counts, float well) {
+  PIXEL;
+  if (image[at] > well) {
+    image[at] = well;
+    COUNT(&counts[0]);
+  }
+}
+
+KERNEL void bend(GLOBAL float* image, int columns, int rows, double well, double a2, double a3, double a4) {
+  PIXEL;
+  const double e = (double)image[at], u = e / well;
+  double bent = e;
+  if (u > 1.0)
+    bent = well * (1.0 + a2 + a3 + a4) + (e - well) * (1.0 + 2.0 * a2 + 3.0 * a3 + 4.0 * a4);
+  else if (u > 0.0)
+    bent = e * (1.0 + u * (a2 + u * (a3 + u * a4)));
+  image[at] = (float)bent;
+}
+
+KERNEL void digitise(GLOBAL float* image, int columns, int rows, GLOBAL u32* counts, double scale, double offset,
+                     double most) {
+  PIXEL;
+  const double count = floor((double)image[at] * scale + offset);
+  if (count < 0.0) COUNT(&counts[1]);
+  if (count > most) COUNT(&counts[2]);
+  const double held = count < 0.0 ? 0.0 : count;
+  image[at] = (float)(held > most ? most : held);
+}
+#endif
+#endif

@@ -1,0 +1,354 @@
+// SPDX-License-Identifier: Apache-2.0
+// The chain of a sensor on a device against that of the processor: each operation to the bit, the counts of whole
+// frames, and who does the work where the device cannot.
+
+#include "mtf/device/device_image.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <map>
+#include <random>
+
+#include "mtf/device/device_parts.h"
+#include "mtf/work/stopwatch.h"
+#include "radiometry/chain/chain_impl.h"
+#include "radiometry/stages/detector/adc.h"
+#include "radiometry/stages/detector/nonlinearity.h"
+#include "radiometry/stages/noise/fixed_pattern.h"
+#include "radiometry/stages/noise/noise.h"
+#include "tests/mtf/device_support.h"
+#include "tests/mtf/reference.h"
+#include "tests/radiometry/chain_cases.h"
+
+namespace radiometry {
+namespace {
+
+using mtf::test::open_tested_device;
+using test::samples;
+
+/// An image of the host on the tested device.
+std::unique_ptr<mtf::DeviceImage> sent(const mtf::Image& image) {
+  const auto device = open_tested_device();
+  mtf::Device::Parts& parts = device->parts();
+  std::unique_lock lock(parts.lock);
+  const std::size_t bytes = static_cast<std::size_t>(image.size()) * sizeof(float);
+  const mtf::DeviceMemory& memory = parts.memory(mtf::Device::Parts::Place::image, bytes);
+  parts.backend->upload(parts.queue, image.data(), memory, bytes);
+  parts.backend->finish(parts.queue);
+  return std::make_unique<mtf::DeviceImage>(device, image.width(), image.height(), std::move(lock));
+}
+
+mtf::Image fetched(mtf::DeviceImage& image, std::int64_t width, std::int64_t height) {
+  mtf::Image out(width, height);
+  image.download(out.view(), 1);
+  return out;
+}
+
+/// Pixels whose bits differ; NaN equals NaN.
+std::int64_t unequal(const mtf::Image& a, const mtf::Image& b) {
+  std::int64_t count = 0;
+  for (std::int64_t i = 0; i < a.size(); ++i)
+    count += a.data()[i] == b.data()[i] || (std::isnan(a.data()[i]) && std::isnan(b.data()[i])) ? 0 : 1;
+  return count;
+}
+
+/// Means of electrons over ten decades, whole numbers and their neighbours among them, and what is no mean.
+mtf::Image all_means(std::int64_t width, std::int64_t height) {
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> decades(-2.0, 9.0);
+  mtf::Image image(width, height);
+  for (std::int64_t i = 0; i < image.size(); ++i) {
+    const double mean = std::pow(10.0, decades(random));
+    image.data()[i] = static_cast<float>(i % 7 == 0 ? std::round(mean) : mean);
+  }
+  const float odd[] = {0.0F,
+                       -3.0F,
+                       std::numeric_limits<float>::infinity(),
+                       std::numeric_limits<float>::quiet_NaN(),
+                       31.999F,
+                       32.0F,
+                       0x1p22F,
+                       1e8F,
+                       1e-30F};
+  for (std::size_t i = 0; i < std::size(odd); ++i) image.data()[100 + i] = odd[i];
+  return image;
+}
+
+constexpr Origin kOrigins[] = {{0, 0}, {5, 3}, {(std::int64_t{1} << 31) + 1, 70000}};
+
+mtf::DeviceRandom random_of(const NoiseKey& key, Stream stream, Origin origin) {
+  return {key.seed, key.frame, static_cast<std::uint32_t>(stream), static_cast<std::uint32_t>(origin.x),
+          static_cast<std::uint32_t>(origin.y)};
+}
+
+TEST(DeviceImage, ShotNoiseIsTheProcessorsToTheBit) {
+  if (!open_tested_device()) GTEST_SKIP() << "no device";
+  const mtf::Image means = all_means(301, 211);
+  for (const Origin origin : kOrigins) {
+    const NoiseKey key{0x123456789abcdefULL, 4};
+    mtf::Image expected = mtf::copy_of(means.view());
+    shot_noise(expected.view(), key, origin, 1);
+    const auto image = sent(means);
+    image->shot_noise(random_of(key, Stream::shot, origin));
+    EXPECT_EQ(unequal(fetched(*image, 301, 211), expected), 0) << origin.x;
+  }
+}
+
+TEST(DeviceImage, GaussianAndLineNoiseIsTheProcessorsToTheBit) {
+  if (!open_tested_device()) GTEST_SKIP() << "no device";
+  const mtf::Image means = all_means(301, 211);
+  for (const Origin origin : kOrigins) {
+    const NoiseKey key{99, 12};
+    mtf::Image expected = mtf::copy_of(means.view());
+    add_gaussian(expected.view(), 123.4, key, Stream::read, origin, 1);
+    add_row_noise(expected.view(), 7.0, key, Stream::temporal_row, origin);
+    add_column_noise(expected.view(), 3.0, key, Stream::fixed_column, origin);
+    const auto image = sent(means);
+    image->add_gaussian(123.4F, random_of(key, Stream::read, origin));
+    image->add_lines(line_numbers(7.0, key, Stream::temporal_row, origin.y, 211), true);
+    image->add_lines(line_numbers(3.0, key, Stream::fixed_column, origin.x, 301), false);
+    EXPECT_EQ(unequal(fetched(*image, 301, 211), expected), 0) << origin.x;
+  }
+}
+
+TEST(DeviceImage, MapsWellResponseAndConverterAreTheProcessorsToTheBit) {
+  if (!open_tested_device()) GTEST_SKIP() << "no device";
+  const mtf::Image means = all_means(301, 211);
+  mtf::Image map(301, 211);
+  add_gaussian(map.view(), 1.0, {5, 0}, Stream::prnu);
+  const auto shared = std::make_shared<const mtf::Image>(std::move(map));
+  mtf::Image expected = mtf::copy_of(means.view());
+  multiply_add(expected, {0.37, shared, 1.1}, {12.5, {}, -3.25}, 1);
+  multiply_add(expected, {2.5}, {40.0, shared, 1e3}, 1);
+  add_map(expected.view(), shared->view(), 1);
+  const Clipped well = fill_well(expected.view(), 3e6);
+  const Nonlinearity bent{-0.05, 0.02, -0.01};
+  apply_response(expected.view(), Response(bent, 3e6));
+  Adc adc{.bits = 14};
+  adc.electrons_per_count = 171.3, adc.offset_counts = 64.25;
+  const auto image = sent(means);
+  image->multiply_add({shared, 0.37F, 1.1F}, {{}, 12.5F + -3.25F, 0.0F});
+  image->multiply_add({{}, 2.5F}, {shared, 40.0F, 1e3F});
+  image->add(shared);
+  image->hold_well(3e6F);
+  image->bend(3e6, bent.a2, bent.a3, bent.a4);
+  const mtf::Image before = fetched(*image, 301, 211);
+  EXPECT_EQ(unequal(before, expected), 0);
+  const Clipped counts = digitise(expected.view(), adc);
+  const AdcScale scale = scale_of(adc);
+  image->digitise(scale.counts_per_electron, scale.offset, scale.most);
+  mtf::Image out(301, 211);
+  const mtf::DeviceImage::Held held = image->download(out.view(), 1);
+  EXPECT_EQ(unequal(out, expected), 0);
+  EXPECT_EQ(held.well, well.high);
+  EXPECT_EQ(held.least, counts.low);
+  EXPECT_EQ(held.most, counts.high);
+  EXPECT_GT(well.high, 0);
+  EXPECT_GT(counts.low, 0);
+  EXPECT_GT(counts.high, 0);
+}
+
+/// A camera whose every stage has a step on the device.
+Sensor all_stages() {
+  Sensor sensor = test::noisy_sensor();
+  sensor.settings.noise->fixed_row_e = 20.0;
+  sensor.settings.noise->fixed_column_e = 30.0;
+  sensor.settings.nonuniformity->dcnu = 0.1;
+  sensor.settings.nonlinearity = Nonlinearity{-0.03, 0.01};
+  sensor.settings.vignetting = Vignetting{.cos4 = true};
+  sensor.settings.detector->full_well_e = 4e6;
+  return sensor;
+}
+
+Chain chain_of(const mtf::System<double>& system, const Sensor& sensor, std::int64_t width, std::int64_t height,
+               double step_um, std::optional<mtf::Method> method, const mtf::DeviceChoice& device) {
+  mtf::PlanOptions options;
+  options.tolerance = 1e-4;
+  options.separate_readout = true;
+  options.method = method;
+  options.device = device;
+  return {mtf::compile_sensor(system, {width, height, step_um, step_um}, options, samples_a_pitch(sensor)), system,
+          sensor};
+}
+
+/// Radiance of 300 K with a contrast of some kelvin, a part of it beyond the full well.
+mtf::Image scene(std::int64_t width, std::int64_t height) {
+  const auto base = static_cast<float>(band_radiance(Flux::photons, 3.0, 5.0, 300.0));
+  mtf::Image image = mtf::test::random_image(width, height, 3, 0.0F);
+  for (std::int64_t i = 0; i < image.size(); ++i) {
+    image.data()[i] = base * (1.0F + 0.1F * image.data()[i]);
+    if (i % width < width / 8) image.data()[i] *= 3.0F;
+  }
+  return image;
+}
+
+TEST(DeviceChain, CountsAreTheProcessorsOfTheSameFilteredImage) {
+  if (!open_tested_device()) GTEST_SKIP() << "no device";
+  const Sensor sensor = all_stages();
+  mtf::System<double> optics = test::mwir_system(), none = test::mwir_system();
+  optics.add(mtf::Stage::presample, mtf::test::gaussian(9.0));
+  none.list(mtf::Stage::presample).clear();
+  const mtf::DeviceChoice device{open_tested_device(), true};
+  const Chain on_device = chain_of(optics, sensor, 240, 180, 7.5, mtf::Method::fft_device, device);
+  const Chain processor = chain_of(none, sensor, 120, 90, 15.0, {}, {});
+  for (const std::uint32_t number : {0U, 7U}) {
+    const ChainFrame filtered = on_device.run(scene(240, 180), number, OutputStage::radiance);
+    for (const OutputStage stage : {OutputStage::electrons, OutputStage::dn}) {
+      const ChainFrame made = on_device.run(scene(240, 180), number, stage);
+      const ChainFrame expected = processor.run(mtf::copy_of(filtered.image.view()), number, stage);
+      EXPECT_EQ(unequal(made.image, expected.image), 0);
+      EXPECT_EQ(made.well.high, expected.well.high);
+      EXPECT_GT(made.well.high, 100);
+      EXPECT_EQ(made.held, expected.held);
+      EXPECT_EQ(made.adc.high, expected.adc.high);
+    }
+  }
+}
+
+// From the device's own filtered image: counts differ where the rounding of the filter crosses a step of the converter.
+// Their share is at most twice the rms difference in counts, and below 1e-3.
+TEST(DeviceChain, CountsDifferWhereRoundingCrossesAStepAlone) {
+  if (!open_tested_device()) GTEST_SKIP() << "no device";
+  const Sensor sensor = all_stages();
+  mtf::System<double> optics = test::mwir_system();
+  optics.add(mtf::Stage::presample, mtf::test::gaussian(9.0));
+  const Chain on_device =
+      chain_of(optics, sensor, 480, 360, 7.5, mtf::Method::fft_device, {open_tested_device(), true});
+  const Chain processor = chain_of(optics, sensor, 480, 360, 7.5, mtf::Method::fft_float, {});
+  const ChainFrame a = on_device.run(scene(480, 360), 3, OutputStage::dn);
+  const ChainFrame b = processor.run(scene(480, 360), 3, OutputStage::dn);
+  const ChainFrame c = on_device.run(scene(480, 360), 3, OutputStage::dn);
+  EXPECT_EQ(unequal(a.image, c.image), 0) << "the same device gives the same bits";
+  // Of light alone: shot noise makes whole electrons of it, in which roundings are not seen.
+  Sensor still = sensor;
+  still.settings.noise.reset();
+  const mtf::DeviceChoice device{open_tested_device(), true};
+  const mtf::Image x = chain_of(optics, still, 480, 360, 7.5, mtf::Method::fft_device, device)
+                           .run(scene(480, 360), 3, OutputStage::electrons)
+                           .image,
+                   y = chain_of(optics, still, 480, 360, 7.5, mtf::Method::fft_float, {})
+                           .run(scene(480, 360), 3, OutputStage::electrons)
+                           .image;
+  double squares = 0.0;
+  for (std::int64_t i = 0; i < x.size(); ++i)
+    squares += std::pow((static_cast<double>(x.data()[i]) - static_cast<double>(y.data()[i])) / 450.0, 2);
+  const double rms = std::sqrt(squares / static_cast<double>(x.size()));
+  const double share = static_cast<double>(unequal(a.image, b.image)) / static_cast<double>(a.image.size());
+  EXPECT_GT(share, 0.0);
+  EXPECT_LE(share, 2.0 * rms);
+  EXPECT_LT(share, 1e-3);
+  for (std::int64_t i = 0; i < a.image.size(); ++i)
+    ASSERT_LE(std::abs(a.image.data()[i] - b.image.data()[i]), 1.0F) << "more than a step";
+}
+
+// A stage without a step on the device takes the frame back; the stages after it are the processor's.
+TEST(DeviceChain, AStageOfTheProcessorTakesTheFrameBack) {
+  if (!open_tested_device()) GTEST_SKIP() << "no device";
+  Sensor sensor = all_stages();
+  sensor.settings.defects = Defects{.dead_fraction = 0.01, .hot_fraction = 0.01, .hot_e = 1e5};
+  mtf::System<double> optics = test::mwir_system(), none = test::mwir_system();
+  optics.add(mtf::Stage::presample, mtf::test::gaussian(9.0));
+  none.list(mtf::Stage::presample).clear();
+  const Chain on_device =
+      chain_of(optics, sensor, 240, 180, 7.5, mtf::Method::fft_device, {open_tested_device(), true});
+  const Chain processor = chain_of(none, sensor, 120, 90, 15.0, {}, {});
+  const ChainFrame filtered = on_device.run(scene(240, 180), 1, OutputStage::radiance);
+  const ChainFrame made = on_device.run(scene(240, 180), 1, OutputStage::dn);
+  const ChainFrame expected = processor.run(mtf::copy_of(filtered.image.view()), 1, OutputStage::dn);
+  EXPECT_EQ(unequal(made.image, expected.image), 0);
+  EXPECT_EQ(made.held_defects, expected.held_defects);
+}
+
+// A scene that comes again is sent once, and its frames are those of a scene that is sent each time.
+TEST(DeviceChain, AKeptSceneGivesTheSameFrames) {
+  if (!open_tested_device()) GTEST_SKIP() << "no device";
+  mtf::System<double> optics = test::mwir_system();
+  optics.add(mtf::Stage::presample, mtf::test::gaussian(9.0));
+  const Chain chain =
+      chain_of(optics, all_stages(), 240, 180, 7.5, mtf::Method::fft_device, {open_tested_device(), true});
+  std::vector<mtf::Image> planes;
+  planes.push_back(scene(240, 180));
+  mtf::KeptScene kept(std::make_shared<const std::vector<mtf::Image>>(std::move(planes)));
+  for (const std::uint32_t number : {0U, 1U, 2U})
+    EXPECT_EQ(unequal(chain.run(kept, number, OutputStage::dn).image,
+                      chain.run(scene(240, 180), number, OutputStage::dn).image),
+              0);
+}
+
+// Also of a sequence that remembers, and of a scene that comes again.
+TEST(DeviceChain, IsDoneByTheProcessorWhereTheDeviceFails) {
+  const auto info = mtf::test::tested_device();
+  if (!info) GTEST_SKIP() << "no device";
+  Sensor sensor = all_stages();
+  sensor.settings.lag = Lag{.time_constant_s = 0.02};
+  mtf::System<double> optics = test::mwir_system();
+  optics.add(mtf::Stage::presample, mtf::test::gaussian(9.0));
+  std::vector<mtf::Image> planes;
+  planes.push_back(scene(240, 180));
+  const auto shared = std::make_shared<const std::vector<mtf::Image>>(std::move(planes));
+  const Chain processor = chain_of(optics, sensor, 240, 180, 7.5, mtf::Method::fft_float, {});
+  for (const bool insisted : {true, false}) {
+    const auto device = mtf::open_device(*info, mtf::DeviceFault::chain);
+    const Chain chain = chain_of(optics, sensor, 240, 180, 7.5, mtf::Method::fft_device, {device, insisted});
+    mtf::KeptScene kept(shared), again(shared);
+    ChainState state, expected_state;
+    if (insisted) {
+      EXPECT_THROW(chain.run(kept, 0, OutputStage::dn, 0.0, 1, &state), mtf::DeviceError);
+      continue;
+    }
+    for (const std::uint32_t number : {0U, 1U, 3U}) {
+      const ChainFrame made = chain.run(kept, number, OutputStage::dn, 0.0, 1, &state);
+      const ChainFrame expected = processor.run(again, number, OutputStage::dn, 0.0, 1, &expected_state);
+      EXPECT_LT(unequal(made.image, expected.image), made.image.size() / 1000) << number;
+      const ChainFrame alone = chain.run(mtf::copy_of(shared->front().view()), number, OutputStage::dn);
+      EXPECT_LT(unequal(alone.image, processor.run(scene(240, 180), number, OutputStage::dn).image),
+                made.image.size() / 1000);
+    }
+    EXPECT_TRUE(device->failure());
+  }
+}
+
+// Times of frames from a scene that is kept to counts on the host. Printed for reports.
+TEST(DeviceTimesLong, of_chains) {
+  if (!open_tested_device()) GTEST_SKIP() << "no device";
+  mtf::System<double> optics = test::mwir_system();
+  optics.add(mtf::Stage::presample, mtf::test::gaussian(9.0));
+  struct Case {
+    std::int64_t width, height;
+    double step_um;
+  };
+  for (const auto& [width, height, step_um] : {Case{2560, 2048, 7.5}, Case{640, 512, 15.0}}) {
+    std::vector<mtf::Image> planes;
+    planes.push_back(scene(width, height));
+    const auto shared = std::make_shared<const std::vector<mtf::Image>>(std::move(planes));
+    for (const bool on_device : {true, false}) {
+      const Chain chain = on_device
+                              ? chain_of(optics, all_stages(), width, height, step_um, mtf::Method::fft_device,
+                                         {open_tested_device(), true})
+                              : chain_of(optics, all_stages(), width, height, step_um, mtf::Method::fft_float, {});
+      mtf::KeptScene kept(shared);
+      std::vector<double> ms;
+      std::map<std::string_view, double> stages;
+      for (std::uint32_t number = 0; number < 12; ++number) {
+        const mtf::Stopwatch watch;
+        const ChainFrame frame = chain.run(kept, number, OutputStage::dn);
+        ms.push_back(watch.ms());
+        stages.clear();
+        for (const auto& [name, stage_ms] : frame.timing_ms) stages[name] += stage_ms;
+      }
+      std::sort(ms.begin() + 2, ms.end());
+      std::printf("%lld x %lld samples to counts, %s: first %.2f, least %.3f, median %.3f ms; of the last",
+                  static_cast<long long>(width), static_cast<long long>(height), on_device ? "device" : "processor",
+                  ms[0], ms[2], ms[7]);
+      for (const auto& [name, stage_ms] : stages) std::printf(" %s %.2f", std::string(name).c_str(), stage_ms);
+      std::printf("\n");
+    }
+  }
+}
+
+}  // namespace
+}  // namespace radiometry
