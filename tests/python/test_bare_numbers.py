@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import mtfkit as mk
+from conftest import run_command
 
 TYPES = {1: "u1", 2: "i2", 3: "i4", 4: "f4", 5: "f8", 12: "u2", 13: "u4", 14: "i8", 15: "u8"}
 ROWS, COLUMNS, BANDS = 5, 7, 3
@@ -110,6 +111,81 @@ def test_what_fits_numbers_mean(tmp_path):
     scaled = mk.read(tmp_path / "a.fits", part=2)
     assert not scaled.integer and np.array_equal(scaled.plane("Y"), [[np.nan, 16393.5], [-16374, 10]], equal_nan=True)
     assert scaled.attributes["EXTNAME"] == "IT'S"
+
+
+SENSOR = """schema = 2
+[frame]
+focal_length = "1 m"
+pitch = "10 um"
+format = [400, 300]
+[optics]
+f_number = 8.0
+wavelength = "2 um"
+"""
+
+
+def bell(size, centre, sigma=1.5):
+    x = np.arange(size) - centre
+    return np.exp(-0.5 * (x[:, None] ** 2 + 1.3 * x ** 2) / sigma ** 2)
+
+
+def transform(rows_up, step, fx, fy):
+    """At frequencies in cycles a pixel, +y down, of samples whose last row is the top one and whose middle is the origin."""
+    rows = rows_up[::-1].astype(float)
+    y, x = ((np.arange(n) - (n - 1) / 2) * step for n in rows.shape)
+    return np.exp(-2j * np.pi * fy * y) @ rows @ np.exp(-2j * np.pi * fx * x) / rows.sum()
+
+
+def sensor_of(tmp_path, table):
+    """With the block that stands in the comments of the table."""
+    keys = [line[2:] for line in (tmp_path / table).read_text().splitlines() if line.startswith(("# kind", "# step", "# positions"))]
+    (tmp_path / "s.toml").write_text(SENSOR + "[[presample]]\n" + "\n".join(keys) + "\n")
+    return mk.Sensor.load(tmp_path / "s.toml")
+
+
+def test_psfex_is_its_polynomials(tmp_path):
+    base, size = bell(17, 8.0), 17
+    odd = np.gradient(base, axis=1), np.gradient(base, axis=0), np.gradient(np.gradient(base, axis=0), axis=1)
+    planes = np.array([base, 0.5 * odd[0], 0.2 * odd[1], 0.3 * odd[1], -0.4 * odd[2], 0.25 * odd[0]], ">f4")  # 1, u, u2, v, uv, v2
+    cards = [("BITPIX", 8), ("NAXIS", 2), ("NAXIS1", planes.nbytes), ("NAXIS2", 1), ("PCOUNT", 0), ("GCOUNT", 1), ("TFIELDS", 1),
+             ("EXTNAME", "'PSF_DATA'"), ("TTYPE1", "'PSF_MASK'"), ("TFORM1", f"'{planes.size}E'"), ("POLNAXIS", 2), ("POLGRP1", 1),
+             ("POLNAME1", "'X_IMAGE'"), ("POLZERO1", 200.0), ("POLSCAL1", 380.0), ("POLGRP2", 1), ("POLNAME2", "'Y_IMAGE'"),
+             ("POLZERO2", 160.0), ("POLSCAL2", 270.0), ("POLNGRP", 1), ("POLDEG1", 2), ("PSF_SAMP", 0.5), ("PSFNAXIS", 3),
+             ("PSFAXIS1", size), ("PSFAXIS2", size), ("PSFAXIS3", 6)]
+    table = unit(cards, planes.tobytes(), False).replace(b"'IMAGE   '", b"'BINTABLE'")
+    (tmp_path / "a.psf").write_bytes(unit([*sizes(8), ("EXTEND", "T")], b"") + table)
+    assert same_bits(mk.read(tmp_path / "a.psf", channel="plane 5").plane("plane 5"), planes[4, ::-1])
+    run_command("config", "import", tmp_path / "a.psf", "--detector", "400,300", "-o", tmp_path / "p.csv")
+    sensor = sensor_of(tmp_path, "p.csv")
+    for x, y in ((0.0, 0.0), (400.0, 300.0), (113.0, 79.0)):  # from the upper left corner
+        u, v = (x + 0.5 - 200.0) / 380.0, (300.0 - y + 0.5 - 160.0) / 270.0
+        here = sum(p * w for p, w in zip(planes.astype(float), (1, u, u * u, v, u * v, v * v)))
+        for fx, fy in ((0.1, 0.0), (0.0, 0.2), (0.15, -0.1)):
+            field = ((x - 200.0) / 250.0, (y - 150.0) / 250.0)  # in half diagonals
+            # Samples are single, and the interpolation is exact for polynomials.
+            assert abs(sensor.otf(fx, fy, unit="cy/px", field=field) - transform(here, 0.5, fx, fy)) < 2e-6
+
+
+def test_stpsf_grids_and_cubes(tmp_path):
+    psfs = [bell(16, 7.5 + 0.3 * k) for k in range(4)]  # an even number, the centre between the middle ones
+    places = ((0, 0), (0, 399), (299, 0), (299, 399))  # y, x, from 0
+    cube = np.array(psfs, ">f8")
+    cards = [*sizes(-64, 16, 16, 4), ("OVERSAMP", 4), *((f"DET_YX{k}", f"'({y}.0, {x}.0)'") for k, (y, x) in enumerate(places))]
+    (tmp_path / "grid.fits").write_bytes(unit(cards, cube.tobytes()))
+    run_command("config", "import", tmp_path / "grid.fits", "--detector", "400,300", "-o", tmp_path / "g.csv")
+    sensor = sensor_of(tmp_path, "g.csv")
+    for psf, (y, x) in zip(psfs, places):
+        for fx, fy in ((0.2, 0.0), (0.3, -0.4)):
+            shift = np.exp(2j * np.pi * (fx + fy) / 8)  # half a step of a quarter of a pixel, towards the first row and column
+            field = ((x + 0.5 - 200.0) / 250.0, (300.0 - y - 0.5 - 150.0) / 250.0)
+            assert abs(sensor.otf(fx, fy, unit="cy/px", field=field) - shift * transform(psf, 0.25, fx, fy)) < 2e-6
+    pair = np.array([bell(17, 8.0), bell(17, 8.0, 2.0)], ">f8")
+    waves = [*sizes(-64, 17, 17, 2), ("PIXELSCL", 0.5), ("WAVELN00", "1.0E-06"), ("WAVELN01", "2.0E-06"), ("EXTNAME", "'OVERDIST'")]
+    (tmp_path / "waves.fits").write_bytes(unit(sizes(-64, 17, 17), pair[0].tobytes()) + unit(waves, pair.tobytes(), False))
+    block = run_command("config", "import", tmp_path / "waves.fits", "--field", "2", "--quiet")
+    assert "2 um" in block  # of OVERDIST
+    step = np.tan(np.radians(0.5 / 3600)) * 1e5  # of 1 m, in pixels
+    assert abs(mk.Sensor.parse(SENSOR + block).otf(0.1, 0.0, unit="cy/px") - transform(pair[1], step, 0.1, 0)) < 2e-6
 
 
 def test_pgm_and_ppm_are_what_numpy_reads(tmp_path):
