@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """ENVI, FITS, PGM, PPM and BMP against what numpy reads of the same bytes, bit for bit. Files are written by numpy."""
 
+import json
 import shutil
 import subprocess
 import struct
@@ -224,3 +225,22 @@ def test_envi_is_written_for_numpy(tmp_path):
     back = mk.read(tmp_path / "x.img", channel="b")
     assert np.array_equal(back.plane("b"), planes["b"]) and back.plane("b").sample is not None
     assert back.attributes["mtf:quantity"] == "radiance" and back.attributes["note"] == "two\nlines ("
+
+
+def test_wavelengths_and_the_ground_are_kept(tmp_path):
+    """A pixel is two samples of the scene; gdalinfo reads where they lie."""
+    np.ones((2, 8, 12), "<f4").tofile(tmp_path / "scene.img")
+    (tmp_path / "scene.hdr").write_text("ENVI\nsamples = 12\nlines = 8\nbands = 2\ndata type = 4\ninterleave = bsq\nbyte order = 0\n"
+                                        "wavelength units = Nanometers\nwavelength = {1000, 2000}\nmtf:units = W.m^-2.sr^-1.um^-1\n"
+                                        "map info = {UTM, 1.5, 3, 500000, 5400000, 30, 30, 32, North, WGS-84, units=Meters}\n")
+    text = SENSOR.replace("[400, 300]", "[6, 4]") + '[scene]\nsample = "5 um"\nquantity = "spectral_radiance"\ngain = 1\noffset = 0\n'
+    (tmp_path / "s.toml").write_text(text + '[[presample]]\nkind = "gaussian"\nsigma = "3 um"\n')
+    for options, first in (((), (0, 0)), (("--roi", "2,1,3,2"), (2, 1))):
+        run_command("simulate", tmp_path / "s.toml", tmp_path / "scene.hdr", "-o", tmp_path / "out.hdr", *options)
+        assert "wavelength = {1, 2}" in (tmp_path / "out.hdr").read_text()
+        if shutil.which("gdalinfo") is None:
+            pytest.skip("gdalinfo is not there (package gdal-bin)")
+        info = json.loads(subprocess.run(["gdalinfo", "-json", tmp_path / "out.img"], check=True, capture_output=True).stdout)
+        corner = 500000 - 0.5 * 30, 5400000 + 2 * 30  # of the first pixel: its outer corner is at 1, 1
+        assert info["geoTransform"] == [corner[0] + 60 * first[0], 60, 0, corner[1] - 60 * first[1], 0, -60]
+        assert "UTM zone 32N" in info["coordinateSystem"]["wkt"]
