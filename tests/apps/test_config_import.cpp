@@ -88,6 +88,17 @@ TEST(ConfigImport, PsfThatIsCutOffIsWarnedOf) {
   expect_error(scratch.run("mtf config import psf.txt"), 2, {"samples", "further out"});
 }
 
+TEST(ConfigImport, MtfAgainstFieldIsOneOfItsRows) {
+  const Scratch scratch;
+  write_file(scratch / "m.txt", "Polychromatic\n0 1 0.8 0.8 0.6 0.6\n14 1 0.7 0.8 0.4 0.6\n");
+  const std::string cuts = "-, tangential (10 cy/mm), sagittal (10 cy/mm), tangential (20 cy/mm), sagittal (20 cy/mm)'",
+                    import = "mtf config import m.txt --field 2 --columns ";
+  expect_says(scratch.run(import + "'x (deg) = 0, y (deg), " + cuts).out,
+              {"axis = \"y\"\npart = \"optics\"\nfile = \"\"\"\nfrequency_cy_mm,mtf\n0,1\n10,0.7\n20,0.4\n",
+               "0,1\n10,0.8\n20,0.6\n"});
+  expect_error(scratch.run(import + "'y (deg), " + cuts), 2, {"x (deg), y (deg)"});
+}
+
 TEST(ConfigImport, MtfIsTwoCuts) {
   const Scratch scratch;
   const std::string head = "Spatial frequency units are cycles per mm.\n",
