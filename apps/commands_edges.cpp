@@ -130,7 +130,8 @@ Command fit_command() {
   add_edge_input(app, options.input);
   add_text(
       app, "--curve", "FILE[@DEG]",
-      "MTF curves (CSV: frequency_cy_mm,mtf[,sd], or of mtf curve, of mtf measure --curves, of MTF Mapper) along a "
+      "MTF curves (CSV: frequency_cy_mm,mtf[,sd], or of mtf curve, of mtf measure --curves; of MTF Mapper, sfrmat and "
+      "Imatest, also JSON) along a "
       "direction, default 0; may be given again",
       options.curves);
   add_choice(app, "--curve-unit", "UNIT", "of the frequencies of mtf curve --format csv: cy/mm, cy/mrad or cy/px",

@@ -2,6 +2,8 @@
 
 // What the commands about sensors and files take.
 
+#include <algorithm>
+
 #include "apps/command_line.h"
 #include "apps/commands.h"
 #include "apps/import/config_import.h"
@@ -21,11 +23,13 @@ Command config_import_command() {
       "import", "what lens programs export, as part of a sensor file",
       "Reads text as OpticStudio and CODE V save it: Zernike Standard and Fringe coefficients, FFT and Huygens PSF,\n"
       "MTF against frequency; and tables of coefficients with the columns x (deg), y (deg), wavelength (um),\n"
-      "Z4 (waves), ... One field becomes a [[presample]] block to put into a sensor file in place of diffraction;\n"
+      "Z4 (waves), ...; and point spreads in FITS of STPSF (WebbPSF) and PSFEx. One field becomes a [[presample]] "
+      "block to put into a sensor file in place of diffraction;\n"
       "coefficients of several, in one file or several, a table over the field that such a block names. How a file\n"
       "was understood is said, and stands in the result as comments.",
       "  mtf config import lens.txt -o lens.toml\n"
-      "  mtf config import axis.txt corner.txt -o zernike.csv"};
+      "  mtf config import axis.txt corner.txt -o zernike.csv\n"
+      "  mtf config import stars.psf --detector 2048,2048 -o psfs.csv"};
   auto& options = options_of<ImportOptions>(app, run_config_import);
   add_text(app, "file", "FILE", "what the lens program exported; several files are several fields", options.files)
       .required = true;
@@ -34,6 +38,18 @@ Command config_import_command() {
   add_choice(app, "--as", "KIND", "what the files have to be: zernike, psf or mtf; default: what they are",
              as_they_are("zernike", "psf", "mtf"), options.kind);
   add_value(app, "--field", "N", "of several fields the one that is wanted, from 1", options.field, whole(1, 10'000));
+  add_text(app, "--columns", "NAMES",
+           "of the rows of a listing of another layout, as in tables: \"x (deg) = 0, y (deg), wavelength (um) = 0.55, "
+           "Z1-Z8 (waves)\"; - leaves one out, = is a number that is no column",
+           options.columns);
+  add_value(app, "--detector", "W,H", "columns and rows of the detector, for places in a FITS", options.fits.detector,
+            [](const auto& name, const auto& text) {
+              const std::vector<double> size = number_list(name, text);
+              if (size.size() != 2 || !(std::min(size[0], size[1]) >= 1.0 && std::max(size[0], size[1]) <= 1e6))
+                throw mtf::UsageError(name + ": " + text + " is no size; write it like 2048,2048");
+              return std::array{static_cast<int>(size[0]), static_cast<int>(size[1])};
+            });
+  add_text(app, "--step", "LENGTH", "of samples in a FITS, in place of what it says: \"2 um\"", options.fits.step);
   add_choice(app, "--order", "ORDER", "of the terms of a table: noll (unit rms) or fringe (unit peak)",
              as_they_are("noll", "fringe"), options.reading.order);
   add_choice(app, "--y", "DIRECTION", "in which +y of the file points in the image: up (default) or down",

@@ -32,7 +32,7 @@ RULES = [
     (r"opencv2?/", r"mtf/io/codecs/opencv_filters\.cpp|tests/bench/", "OpenCV is private to its module"),
     (r"^(gdal|cpl_\w+)\.h$", r"mtf/io/raw/gdal_module\.cpp$", "GDAL is private to its module"),
     (r"^libraw/", r"mtf/io/raw/libraw_module\.cpp$", "LibRaw is private to its module"),
-    (r"(png|tiff|tiffio|turbojpeg)\.h$", r"mtf/io/codecs/codecs_|tests/mtf/io/", "image codecs are private to the codec module"),
+    (r"(png|tiff|tiffio|turbojpeg|charls)\.h$", r"mtf/io/codecs/codecs_|tests/mtf/io/", "image codecs are private to the codec module"),
     (r"vkFFT\.h$", r"mtf/device/vkfft\.h$", "VkFFT is private to the modules of devices"),
     (r"CL/|cuda\w*\.h$|nvrtc\.h$", r"mtf/device/(opencl|cuda)_module\.cpp$", "OpenCL and CUDA are private to their modules"),
     (r"toml\+\+|toml\.hpp$", r"mtf/io/", "toml++ is private to mtf/io"),

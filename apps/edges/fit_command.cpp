@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <map>
 #include <numbers>
 
 #include "apps/arguments.h"
@@ -18,6 +19,8 @@
 #include "apps/text/message_words.h"
 #include "mtf/error.h"
 #include "mtf/io/config/schedule.h"
+#include "mtf/io/csv/csv_cells.h"
+#include "mtf/io/csv/csv_numbers.h"
 #include "mtf/io/csv/curve_samples.h"
 #include "mtf/io/image_io.h"
 #include "mtf/io/sha256.h"
@@ -78,10 +81,58 @@ CurveWord curve_word(const std::string& word) {
   return {word.substr(0, at), number("--curve " + one_line(word) + ": the angle", word.substr(at + 1))};
 }
 
+bool is_numbers(const Json& json) {
+  return json.is_array() && !json.empty() && std::ranges::all_of(json.elements(), &Json::is_number);
+}
+
+/// Curves in the JSON of other programs, such as Imatest: lists of numbers of one length that stand in one object,
+/// wherever it is, are the columns of a table by their names, "Cy/Pxl": [...], "MTF_Y": [...]. A unit may stand beside
+/// them, "frequency_units": "cy/px". Tables without a frequency and an MTF are passed by.
+void add_json_curves(const Json& json, const std::string& where, std::vector<mtf::io::CurveSamples>& curves) {
+  if (json.is_array())
+    for (std::size_t i = 0; i < json.size(); ++i)
+      add_json_curves(json[i], where + "[" + std::to_string(i) + "]", curves);
+  if (!json.is_object()) return;
+  std::map<std::size_t, std::vector<std::pair<std::string, const Json*>>> tables;  // by the length of their columns
+  std::string unit;
+  for (const auto& [name, value] : json.items()) {
+    if (mtf::lower_case(name).starts_with("freq") && value.is_string()) unit = " (" + value.get<std::string>() + ")";
+    if (is_numbers(value)) tables[value.size()].emplace_back(name, &value);
+    add_json_curves(value, where + "." + mtf::printable(name, 40), curves);
+  }
+  for (const auto& [length, columns] : tables) {
+    std::string text;
+    for (const auto& [name, list] : columns) {
+      const std::string word = mtf::lower_case(name);
+      mtf::io::append_word(text, "\"" + name + (word == "frequency" || word == "freq" ? unit : "") + "\"", ',');
+    }
+    if (!mtf::io::is_curve_header(text)) continue;
+    for (std::size_t row = 0; row < length; ++row) {
+      std::string line;
+      for (const auto& [name, list] : columns)
+        mtf::io::append_word(line, mtf::format_double((*list)[row].get<double>()), ',');
+      text += "\n" + line;
+    }
+    for (mtf::io::CurveSamples& curve : mtf::io::parse_curve_samples(text, where)) {
+      curve.name = where.substr(where.find(": ") + 2) + " " + curve.name;
+      curves.push_back(std::move(curve));
+    }
+  }
+}
+
 /// All curves of a file; `sd` for those that do not say it themselves.
 void add_curves(LoadedData& loaded, const std::string& word, double sd, const std::string& unit) {
   const CurveWord parts = curve_word(word);
-  for (const mtf::io::CurveSamples& samples : mtf::io::read_curve_samples(parts.file, mtf::find_unit(unit))) {
+  const std::string text = mtf::io::read_table_text(parts.file), name = one_line(parts.file);
+  std::vector<mtf::io::CurveSamples> curves;
+  if (!mtf::lower_case(name).ends_with(".json"))
+    curves = mtf::io::parse_curve_samples(text, parts.file, mtf::find_unit(unit));
+  else if (const auto json = parsed_json(text))
+    add_json_curves(*json, name + ": ", curves);
+  if (curves.empty())
+    throw mtf::UsageError(name + ": no JSON with lists of a frequency (frequency_cy_px, Cy/Pxl) and of an MTF (MTF, " +
+                          "SFR, MTF_Y) in one object; rename them, or export a CSV");
+  for (const mtf::io::CurveSamples& samples : curves) {
     calib::CurveData data;
     data.name = one_line(parts.file) + (samples.name.empty() ? "" : " " + samples.name);
     data.angle_deg = parts.angle_deg;

@@ -19,6 +19,7 @@
 #include "mtf/engines/statistics.h"
 #include "mtf/error.h"
 #include "mtf/io/channel_choice.h"
+#include "mtf/io/codecs/raster.h"
 #include "mtf/io/exr/spectral_exr.h"
 #include "mtf/io/image_formats.h"
 #include "mtf/io/scene.h"
@@ -222,7 +223,7 @@ ImageFacts image_facts(const InfoOptions& options) {
   facts.path = options.file;
   facts.info = mtf::io::read_info(options.file);
   if (facts.info.format == mtf::io::Format::tiff && options.read.part)  // another page
-    facts.info = mtf::io::read_image(options.file, options.read).info;
+    facts.info = mtf::io::read_raster_info(options.file, mtf::io::Format::tiff, *options.read.part);
   facts.values = meaning(facts.info);
   facts.remarks = facts.info.notes;
   for (std::string remark : {encoding_remark(facts.info), mtf::io::aspect_note(facts.info)})

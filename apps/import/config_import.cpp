@@ -8,15 +8,19 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <numbers>
 
 #include "apps/import/config_import.h"
 #include "apps/terminal/output.h"
+#include "apps/terminal/output_set.h"
 #include "mtf/error.h"
 #include "mtf/io/config/config_edit.h"
 #include "mtf/io/csv/csv_cells.h"
 #include "mtf/io/csv/spectral_units.h"
+#include "mtf/io/designs/design_columns.h"
 #include "mtf/io/designs/mtf_listing.h"
+#include "mtf/io/designs/psf_fits.h"
 #include "mtf/io/designs/psf_listing.h"
 #include "mtf/io/designs/zernike_listing.h"
 
@@ -53,7 +57,9 @@ const Field& one_field(const std::vector<Field>& fields, int number) {
   const std::string list = joined(
       fields,
       [&](const Field& field) {
-        return std::to_string(++count) + ": " + (field.place ? field.place->text() : "without a place");
+        std::string name = "without a place";
+        if constexpr (requires { field.label; }) name = field.label;
+        return std::to_string(++count) + ": " + (field.place ? field.place->text() : name);
       },
       "; ");
   throw mtf::UsageError("the files have " + plural(std::ssize(fields), "field") +
@@ -62,6 +68,13 @@ const Field& one_field(const std::vector<Field>& fields, int number) {
 
 std::string block(const std::string& kind, const std::vector<std::string>& keys) {
   return "[[presample]]\nkind = " + toml_string(kind) + "\n" + joined(keys, "\n") + "\n";
+}
+
+/// Each line as a comment.
+std::string commented(std::string_view text) {
+  std::string lines;
+  while (!text.empty()) lines += "# " + std::string(mtf::io::take_text_line(text)) + "\n";
+  return lines;
 }
 
 /// The block as part of a sensor. Throws UsageError where the sensor would be refused.
@@ -137,10 +150,7 @@ Imported zernike_table(std::vector<ZernikeField> fields, std::vector<std::string
     for (std::size_t i = 0; i < fields.size(); ++i) rows[i + 1] += "," + coefficient(fields[i].waves[term]);
   }
   keys.insert(keys.begin(), "table = " + toml_string(file.empty() ? "zernike.csv" : file.substr(file.rfind('/') + 1)));
-  const std::string use = block("wavefront", keys);
-  for (std::string_view rest = use; !rest.empty();)
-    result.text += "# " + std::string(mtf::io::take_text_line(rest)) + "\n";
-  result.text += joined(rows, "\n") + "\n";
+  result.text = commented(block("wavefront", keys)) + joined(rows, "\n") + "\n";
   return result;
 }
 
@@ -177,19 +187,76 @@ Imported import_zernike(const std::vector<DesignText>& texts, const ImportOption
   return {std::move(result.text), std::move(remarks)};
 }
 
+/// Of a PSF whose samples are rows.
+Imported psf_block(const std::vector<std::vector<double>>& samples, std::vector<std::string> keys,
+                   DesignRemarks remarks) {
+  const auto row = [](const std::vector<double>& numbers) { return "[" + joined(numbers, toml_number) + "]"; };
+  keys.push_back("samples = [" + joined(samples, row, ",\n") + "]");
+  Imported result{.text = block("psf", keys), .remarks = std::move(remarks)};
+  if (result.text.size() > kMostBlockBytes)
+    throw mtf::UsageError(mtf::size_text(std::ssize(samples.front()), std::ssize(samples)) +
+                          " samples are more than a sensor file holds; export about 256 by 256 with the same spacing");
+  check_block(result.text, 1.0, result.remarks);
+  return result;
+}
+
 Imported import_psf(const std::vector<DesignText>& texts, const ImportOptions& options) {
   std::vector<mtf::io::PsfListing> fields;
   for (const DesignText& text : texts) fields.push_back(read_psf_listing(text, options.reading));
   const mtf::io::PsfListing& psf = one_field(fields, options.field);
-  const auto row = [](const std::vector<double>& samples) { return "[" + joined(samples, toml_number) + "]"; };
-  Imported result{.text = block("psf", {"step = " + toml_string(mtf::format_double(psf.step_um) + " um"),
-                                        "part = \"optics\"", "samples = [" + joined(psf.samples, row, ",\n") + "]"}),
-                  .remarks = psf.remarks};
-  if (result.text.size() > kMostBlockBytes)
-    throw mtf::UsageError(mtf::size_text(std::ssize(psf.samples.front()), std::ssize(psf.samples)) +
-                          " samples are more than a sensor file holds; export about 256 by 256 with the same spacing");
-  check_block(result.text, 1.0, result.remarks);
-  return result;
+  return psf_block(psf.samples, {"step = " + toml_string(mtf::format_double(psf.step_um) + " um"), "part = \"optics\""},
+                   psf.remarks);
+}
+
+/// What is said to the user, as the first lines of the result.
+std::string heading(const DesignRemarks& remarks, const Global& global) {
+  std::string head = "# mtf config import\n";
+  for (const std::string& line : remarks.notes) head += "# " + one_line(line) + "\n";
+  for (const std::string& line : remarks.warnings) head += "# warning: " + one_line(line) + "\n";
+  for (const std::string& line : remarks.notes) note(global, one_line(line));
+  for (const std::string& line : remarks.warnings) note(global, "warning: " + one_line(line));
+  return head;
+}
+
+void write_result(const ImportOptions& options, const std::string& text, const Global& global) {
+  if (emit_for_editing(options.out, text, options.force)) note(global, "wrote " + one_line(options.out));
+}
+
+/// One point spread is a block; those of several places are images beside the table that names them.
+void import_fits(const ImportOptions& options, const Global& global) {
+  const std::string& file = options.files.front();
+  if (options.files.size() > 1) throw mtf::UsageError("one FITS at a time: leave out " + options.files[1]);
+  mtf::io::PsfFits psf = read_psf_fits(file, options.fits);
+  const std::string step = "step = " + toml_string(psf.step);
+  const bool one = options.field > 0 || !psf.planes.front().place;
+  const mtf::io::PsfPlane& plane = one ? one_field(psf.planes, options.field) : psf.planes.front();
+  if (one) psf.remarks.notes.push_back(plane.place ? plane.place->text() : plane.label);
+  std::vector<std::vector<double>> samples;
+  for (std::int64_t y = 0; y < plane.samples.height(); ++y)
+    samples.emplace_back(plane.samples.view().row(y), plane.samples.view().row(y) + plane.samples.width());
+  const Imported block_of_one = psf_block(samples, {step}, psf.remarks);
+  const std::string head = heading(block_of_one.remarks, global);
+  if (one) return write_result(options, head + block_of_one.text, global);
+  if (!options.out.ends_with(".csv"))
+    throw mtf::UsageError(plural(std::ssize(psf.planes), "place") +
+                          " make a table with images beside it: -o psfs.csv; or choose one by --field 1");
+  std::vector<std::string> files{options.out};
+  const auto base = [](const std::string& path) { return path.substr(path.rfind('/') + 1); };
+  std::string rows =
+      commented(block("psf", {step, "positions = " + toml_string(base(options.out))})) + "x (px),y (px),file\n";
+  for (const mtf::io::PsfPlane& one_of : psf.planes) {
+    files.push_back(options.out.substr(0, options.out.size() - 4) + "_" + std::to_string(files.size()) + ".exr");
+    rows += mtf::format_double(one_of.place->x) + "," + mtf::format_double(one_of.place->y) + "," +
+            mtf::io::csv_field(base(files.back())) + "\n";
+  }
+  for (const std::string& name : files)
+    if (!options.force && std::filesystem::exists(name))
+      throw mtf::UsageError(name + ": exists already; --force replaces it, -o NAME writes another file");
+  OutputSet output({.files = files, .inputs = options.files});
+  for (std::size_t i = 1; i < files.size(); ++i)
+    mtf::io::write_exr(output.at(files[i]), {{"Y", psf.planes[i - 1].samples.view()}}, {});
+  output.commit(options.out, head + rows);
+  note(global, "wrote " + one_line(options.out) + " and " + plural(std::ssize(psf.planes), "image"));
 }
 
 Imported import_mtf(const std::vector<DesignText>& texts, const ImportOptions& options) {
@@ -272,11 +339,27 @@ const DesignKind& kind_of(const DesignText& text, const std::string& wanted) {
 
 }  // namespace
 
-int run_config_import(const ImportOptions& options, const Global& global) {
+int run_config_import(const ImportOptions& given, const Global& global) {
+  ImportOptions options = given;
+  if (mtf::io::is_fits(options.files.front())) {
+    options.fits.y_up = options.reading.y_up;
+    import_fits(options, global);
+    return 0;
+  }
   std::vector<DesignText> texts;
-  for (const std::string& file : options.files) texts.push_back(mtf::io::read_design_text(file));
-  const DesignKind& kind = kind_of(texts.front(), options.kind);
   DesignRemarks remarks;
+  for (const std::string& file : options.files) {
+    DesignText text = mtf::io::read_design_text(file);
+    const std::string columns = options.columns.empty() ? mtf::io::field_scan_columns(text) : options.columns;
+    if (options.columns.empty() && !columns.empty() && !options.reading.order &&
+        text.has("Fringe") != text.has("Standard"))
+      options.reading.order = text.has("Fringe") ? "fringe" : "noll";
+    if (options.columns.empty() && !columns.empty())
+      remarks.notes.push_back(file +
+                              ": the fields are taken along +y, the preset scan; another one is for --columns to say");
+    texts.push_back(columns.empty() ? std::move(text) : with_columns(text, columns, remarks));
+  }
+  const DesignKind& kind = kind_of(texts.front(), options.kind);
   for (const DesignText& text : texts) {
     static_cast<void>(kind_of(text, std::string(kind.name)));
     remarks.notes.push_back(text.source + ": " + std::string(kind.what) + ", in " + text.encoding +
@@ -284,12 +367,7 @@ int run_config_import(const ImportOptions& options, const Global& global) {
   }
   const Imported result = kind.import(texts, options);
   add(remarks, result.remarks);
-  std::string head = "# mtf config import\n";
-  for (const std::string& line : remarks.notes) head += "# " + one_line(line) + "\n";
-  for (const std::string& line : remarks.warnings) head += "# warning: " + one_line(line) + "\n";
-  for (const std::string& line : remarks.notes) note(global, one_line(line));
-  for (const std::string& line : remarks.warnings) note(global, "warning: " + one_line(line));
-  if (emit_for_editing(options.out, head + result.text, options.force)) note(global, "wrote " + one_line(options.out));
+  write_result(options, heading(remarks, global) + result.text, global);
   return 0;
 }
 

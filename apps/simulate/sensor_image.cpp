@@ -3,13 +3,55 @@
 
 #include <algorithm>
 
+#include "mtf/io/csv/csv_cells.h"
 #include "mtf/version.h"
+#include "mtf/words.h"
 
 namespace apps {
 
 using namespace mtf::io;  // NOLINT: this file is about image files only
 
-Metadata provenance(const SensorConfig& config, const Scene& scene, const mtf::SensorPlan& plan, double tolerance) {
+namespace {
+
+using Attributes = std::map<std::string, std::string>;
+
+std::vector<std::string> cells_of(const Attributes& attributes, const std::string& key, std::string_view between) {
+  std::vector<std::string> cells;
+  if (const auto found = attributes.find(key); found != attributes.end())
+    for (const std::string_view cell : split_words(found->second, between)) cells.emplace_back(trimmed_cell(cell));
+  return cells;
+}
+
+/// The place on the ground: the image shares the outer corner of the scene, its steps are `ratio` times as large, and
+/// of it the pixels from `first` on are kept. ENVI counts from 1 at the outer corner of the first pixel.
+void keep_ground(const Attributes& of_scene, std::array<double, 2> ratio, std::array<double, 2> first,
+                 Attributes& text) {
+  std::vector<std::string> map = cells_of(of_scene, "map info", ",\n"), grid = cells_of(of_scene, "geotransform", " ");
+  if (map.size() >= 7) {
+    for (const std::size_t axis : {0U, 1U}) {
+      const auto pixel = cell_number(map[1 + axis]), size = cell_number(map[5 + axis]);
+      if (!pixel || !size) return;
+      map[1 + axis] = mtf::format_double(1.0 + (*pixel - 1.0) / ratio[axis] - first[axis]);
+      map[5 + axis] = mtf::format_double(*size * ratio[axis]);
+    }
+    text["map info"] = mtf::joined(map);
+  } else if (grid.size() == 6) {
+    std::array<double, 6> t{};
+    for (std::size_t i = 0; i < 6; ++i)
+      t[i] = cell_number(grid[i]).value_or(0.0) * (i % 3 == 0 ? 1.0 : ratio[i % 3 - 1]);
+    for (const std::size_t i : {0U, 3U}) t[i] += t[i + 1] * first[0] + t[i + 2] * first[1];
+    text["geotransform"] = mtf::joined(t, mtf::format_double, " ");
+    if (t[2] == 0.0 && t[4] == 0.0 && t[1] > 0.0 && t[5] < 0.0)
+      text["map info"] = "Arbitrary, 1, 1, " + mtf::joined(std::array{t[0], t[3], t[1], -t[5]}, mtf::format_double);
+  }
+  for (const char* key : {"coordinate system", "coordinate system string"})  // of GDAL, of ENVI
+    if (of_scene.contains(key)) text["coordinate system string"] = of_scene.at(key);
+}
+
+}  // namespace
+
+Metadata provenance(const SensorConfig& config, const Scene& scene, const mtf::SensorPlan& plan, double tolerance,
+                    const std::optional<std::array<std::int64_t, 4>>& region) {
   const mtf::Frame<double>& frame = config.system.frame;
   Metadata m;
   m.text["mtf:quantity"] = quantity_name(scene.quantity);
@@ -32,6 +74,11 @@ Metadata provenance(const SensorConfig& config, const Scene& scene, const mtf::S
   if (config.system.band)
     m.lists["mtf:bandEdges"] = {static_cast<float>(config.system.band->lo_um),
                                 static_cast<float>(config.system.band->hi_um)};
+  m.lists["mtf:wavelength"].assign(scene.wavelength_um.begin(), scene.wavelength_um.end());
+  if (scene.wavelength_um.empty()) m.lists.erase("mtf:wavelength");
+  const auto [x, y, width, height] = region.value_or(std::array<std::int64_t, 4>{});
+  keep_ground(scene.info.attributes, {frame.pitch_x_um / scene.grid.step_x_um, frame.pitch_y_um / scene.grid.step_y_um},
+              {static_cast<double>(x), static_cast<double>(y)}, m.text);
   if (const auto before = scene.info.attributes.find("mtf:history"); before != scene.info.attributes.end())
     m.history.push_back(before->second);
   m.history.push_back("mtf simulate: presample OTF, sampling at the pitch" +

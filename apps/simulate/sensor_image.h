@@ -14,9 +14,11 @@
 namespace apps {
 
 /// Attributes of an output image (notes: prefix mtf:, units, pitch in m, ifov in rad, band edges in um, config hash,
-/// tolerance and predicted error, history).
+/// tolerance and predicted error, history), with the wavelengths of the scene, and its place on the ground on the grid
+/// of the output, of which `region` (x, y, width, height) is kept.
 mtf::io::Metadata provenance(const mtf::io::SensorConfig& config, const mtf::io::Scene& scene,
-                             const mtf::SensorPlan& plan, double tolerance);
+                             const mtf::SensorPlan& plan, double tolerance,
+                             const std::optional<std::array<std::int64_t, 4>>& region = {});
 
 /// One plane is "Y", three colour planes "R","G","B"; everything else keeps its full name.
 std::vector<std::string> output_names(const std::vector<std::string>& names);

@@ -180,9 +180,11 @@ std::optional<ChainReport> SensorRun::report() const {
 }
 
 mtf::io::Metadata SensorRun::metadata(const mtf::io::Scene& scene, const mtf::SensorPlan& plan, double tolerance,
-                                      std::int64_t frame) const {
-  mtf::io::Metadata metadata = provenance(*config_, scene, plan, tolerance);
+                                      std::int64_t frame,
+                                      const std::optional<std::array<std::int64_t, 4>>& region) const {
+  mtf::io::Metadata metadata = provenance(*config_, scene, plan, tolerance, region);
   if (!chain_) return metadata;
+  metadata.lists.erase("mtf:wavelength");
   metadata.text["mtf:quantity"] = output_quantity(chain_->loaded.sensor, chain_->stage);
   metadata.text["mtf:units"] = unit_of(*chain_);
   metadata.text["mtf:tap"] = radiometry::output_stage_name(chain_->stage);

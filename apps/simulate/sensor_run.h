@@ -75,7 +75,7 @@ class SensorRun {
   std::optional<ChainReport> report() const;
   /// Attributes of an image: provenance(), what its numbers are, and which frame of the noise it is.
   mtf::io::Metadata metadata(const mtf::io::Scene& scene, const mtf::SensorPlan& plan, double tolerance,
-                             std::int64_t frame) const;
+                             std::int64_t frame, const std::optional<std::array<std::int64_t, 4>>& region = {}) const;
   /// How the output becomes whole numbers where no range was asked for: counts as they are, display levels from 0 to
   /// the largest, which is white. Up to 255 levels take 8 bits, so that viewers show them as the display does.
   IntegerRange integer_range(const std::optional<std::array<double, 2>>& asked) const;

@@ -104,7 +104,7 @@ SimulateResult simulate_whole(const SensorRun& sensor, SceneSource& source, cons
   watch.tell_stage("run");
 
   result.names = output_names(scene.names);
-  image.metadata = sensor.metadata(scene, *frame.plan, plan_options.tolerance, 0);
+  image.metadata = sensor.metadata(scene, *frame.plan, plan_options.tolerance, 0, options.region);
   describe_run(report, sensor.config(), facts_of(scene), scene_path, options, plan_options.tolerance);
   const Written written = deliver(options, options.out, result.names, image, sensor.integer_range(options.range));
   if (!image.planes.empty()) result.images.push_back(std::move(image));

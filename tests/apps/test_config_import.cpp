@@ -88,6 +88,17 @@ TEST(ConfigImport, PsfThatIsCutOffIsWarnedOf) {
   expect_error(scratch.run("mtf config import psf.txt"), 2, {"samples", "further out"});
 }
 
+TEST(ConfigImport, MtfAgainstFieldIsOneOfItsRows) {
+  const Scratch scratch;
+  write_file(scratch / "m.txt", "Polychromatic\n0 1 0.8 0.8 0.6 0.6\n14 1 0.7 0.8 0.4 0.6\n");
+  const std::string cuts = "-, tangential (10 cy/mm), sagittal (10 cy/mm), tangential (20 cy/mm), sagittal (20 cy/mm)'",
+                    import = "mtf config import m.txt --field 2 --columns ";
+  expect_says(scratch.run(import + "'x (deg) = 0, y (deg), " + cuts).out,
+              {"axis = \"y\"\npart = \"optics\"\nfile = \"\"\"\nfrequency_cy_mm,mtf\n0,1\n10,0.7\n20,0.4\n",
+               "0,1\n10,0.8\n20,0.6\n"});
+  expect_error(scratch.run(import + "'y (deg), " + cuts), 2, {"x (deg), y (deg)"});
+}
+
 TEST(ConfigImport, MtfIsTwoCuts) {
   const Scratch scratch;
   const std::string head = "Spatial frequency units are cycles per mm.\n",
@@ -103,6 +114,28 @@ TEST(ConfigImport, MtfIsTwoCuts) {
   expect_says(two.out,
               {"axis = \"y\"\npart = \"optics\"\nfile = \"\"\"\nfrequency_cy_mm,mtf\n0,1\n50,0.5\n", "axis = \"x\""});
   expect_says(two.err, {"no phase", "on the diagonals"});
+}
+
+// The layout that OpticStudio's analysis of coefficients against field has: a line of the numbers of terms, rows below.
+TEST(ConfigImport, CoefficientsAgainstFieldAreATable) {
+  const Scratch scratch;
+  const std::string rows = "0.0\t0\t0\t0\t0.1\t0\n7.0\t0\t0\t0\t0.2\t-0.3\n", head = "Field:\t 1\t 2\t 3\t 4\t 5\n";
+  write_file(
+      scratch / "z.txt",
+      "Zernike Fringe Coefficients vs. Field\nWavelength : 0.55 \xC2\xB5m\nField units : Degrees\n" + head + rows);
+  write_file(scratch / "a.txt", listing("0.0, 0.0", "Z 4 0.1 :\n"));
+  write_file(scratch / "b.txt", listing("0.0, 7.0", "Z 4 0.2 :\nZ 5 -0.3 :\n"));
+  const auto table = [](const Result& result) { return result.out.substr(result.out.find("\nr (deg)")); };
+  const std::string one_by_one = table(scratch.run("mtf config import a.txt b.txt"));
+  const Result scan = scratch.run("mtf config import z.txt");
+  ASSERT_EQ(scan.status, 0) << scan.err;
+  EXPECT_EQ(table(scan), one_by_one);
+  write_file(scratch / "bare.txt", "a title of 2 words\n" + rows);
+  const std::string columns = " --order fringe --columns 'x (deg) = 0, y (deg), wavelength (um) = 0.55, Z1-Z5 (waves)'";
+  EXPECT_EQ(table(scratch.run("mtf config import bare.txt" + columns)), one_by_one);
+  write_file(scratch / "bare.txt", head + rows);
+  expect_error(scratch.run("mtf config import bare.txt"), 2, {"bare.txt:1:", "unit", "--columns"});
+  expect_error(scratch.run("mtf config import bare.txt --columns 'x (deg), y (deg)'"), 2, {"2 numbers"});
 }
 
 TEST(ConfigImport, WhatIsNotReadIsNamed) {

@@ -261,6 +261,30 @@ TEST(FitCommand, WhatOneMoreUnknownMakesOfAValue) {
   expect_says(table.out, {"   with unknown defocus: "});
 }
 
+// The same curve as a plain CSV and in the JSON of another program.
+TEST(FitCommand, CurvesInJson) {
+  const Scratch scratch;
+  ASSERT_EQ(scratch.run("mtf demo -o demo").status, 0);
+  const std::string ask = "mtf curve demo/sensor.toml --freq 0.125,0.25,0.375 --unit cy/px --format json";
+  const Json values = Json::parse(scratch.run(ask).out).at("system").at("re"), frequencies{0.125, 0.25, 0.375};
+  std::string csv = "frequency_cy_px,mtf\n";
+  for (std::size_t i = 0; i < 3; ++i) csv += frequencies[i].dump() + "," + values[i].dump() + "\n";
+  write_file(scratch / "a.csv", csv);
+  const Json edge{{"frequency", frequencies}, {"freq_units", "Cy/Pxl"}, {"MTF_R", {1, 1, 1}}, {"MTF_Y", values}};
+  write_file(scratch / "a.json", Json{{"sfrResults", {{"edges", {edge, edge}}, {"mtf50", {0.2, 0.3}}}}}.dump());
+  const auto jitter = [&](const std::string& files) {
+    const Result fit = scratch.run("mtf fit demo/fit.toml --format json " + files);
+    EXPECT_EQ(fit.status, 0) << fit.err;
+    return Json::parse(fit.out).at("parameters")[0];
+  };
+  EXPECT_NEAR(jitter("--curve a.csv").at("value").get<double>(), 2.0, 1e-3);  // of the sensor that the curve is of
+  EXPECT_EQ(jitter("--curve a.json"), jitter("--curve a.csv --curve a.csv"));
+  write_file(scratch / "bad.json", Json{{"freq", frequencies}, {"MTF", values}}.dump());
+  expect_error(scratch.run("mtf fit demo/fit.toml --curve bad.json"), 2, {"bad.json", "no unit"});
+  write_file(scratch / "bad.json", R"({"mtf50": 0.2})");
+  expect_error(scratch.run("mtf fit demo/fit.toml --curve bad.json"), 2, {"bad.json", "frequency_cy_px"});
+}
+
 TEST(FitCommand, BadRequests) {
   const Scratch scratch;
   scratch.add_sensor();

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """ENVI, FITS, PGM, PPM and BMP against what numpy reads of the same bytes, bit for bit. Files are written by numpy."""
 
+import json
 import shutil
 import subprocess
 import struct
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 
 import mtfkit as mk
+from conftest import run_command
 
 TYPES = {1: "u1", 2: "i2", 3: "i4", 4: "f4", 5: "f8", 12: "u2", 13: "u4", 14: "i8", 15: "u8"}
 ROWS, COLUMNS, BANDS = 5, 7, 3
@@ -112,6 +114,81 @@ def test_what_fits_numbers_mean(tmp_path):
     assert scaled.attributes["EXTNAME"] == "IT'S"
 
 
+SENSOR = """schema = 2
+[frame]
+focal_length = "1 m"
+pitch = "10 um"
+format = [400, 300]
+[optics]
+f_number = 8.0
+wavelength = "2 um"
+"""
+
+
+def bell(size, centre, sigma=1.5):
+    x = np.arange(size) - centre
+    return np.exp(-0.5 * (x[:, None] ** 2 + 1.3 * x ** 2) / sigma ** 2)
+
+
+def transform(rows_up, step, fx, fy):
+    """At frequencies in cycles a pixel, +y down, of samples whose last row is the top one and whose middle is the origin."""
+    rows = rows_up[::-1].astype(float)
+    y, x = ((np.arange(n) - (n - 1) / 2) * step for n in rows.shape)
+    return np.exp(-2j * np.pi * fy * y) @ rows @ np.exp(-2j * np.pi * fx * x) / rows.sum()
+
+
+def sensor_of(tmp_path, table):
+    """With the block that stands in the comments of the table."""
+    keys = [line[2:] for line in (tmp_path / table).read_text().splitlines() if line.startswith(("# kind", "# step", "# positions"))]
+    (tmp_path / "s.toml").write_text(SENSOR + "[[presample]]\n" + "\n".join(keys) + "\n")
+    return mk.Sensor.load(tmp_path / "s.toml")
+
+
+def test_psfex_is_its_polynomials(tmp_path):
+    base, size = bell(17, 8.0), 17
+    odd = np.gradient(base, axis=1), np.gradient(base, axis=0), np.gradient(np.gradient(base, axis=0), axis=1)
+    planes = np.array([base, 0.5 * odd[0], 0.2 * odd[1], 0.3 * odd[1], -0.4 * odd[2], 0.25 * odd[0]], ">f4")  # 1, u, u2, v, uv, v2
+    cards = [("BITPIX", 8), ("NAXIS", 2), ("NAXIS1", planes.nbytes), ("NAXIS2", 1), ("PCOUNT", 0), ("GCOUNT", 1), ("TFIELDS", 1),
+             ("EXTNAME", "'PSF_DATA'"), ("TTYPE1", "'PSF_MASK'"), ("TFORM1", f"'{planes.size}E'"), ("POLNAXIS", 2), ("POLGRP1", 1),
+             ("POLNAME1", "'X_IMAGE'"), ("POLZERO1", 200.0), ("POLSCAL1", 380.0), ("POLGRP2", 1), ("POLNAME2", "'Y_IMAGE'"),
+             ("POLZERO2", 160.0), ("POLSCAL2", 270.0), ("POLNGRP", 1), ("POLDEG1", 2), ("PSF_SAMP", 0.5), ("PSFNAXIS", 3),
+             ("PSFAXIS1", size), ("PSFAXIS2", size), ("PSFAXIS3", 6)]
+    table = unit(cards, planes.tobytes(), False).replace(b"'IMAGE   '", b"'BINTABLE'")
+    (tmp_path / "a.psf").write_bytes(unit([*sizes(8), ("EXTEND", "T")], b"") + table)
+    assert same_bits(mk.read(tmp_path / "a.psf", channel="plane 5").plane("plane 5"), planes[4, ::-1])
+    run_command("config", "import", tmp_path / "a.psf", "--detector", "400,300", "-o", tmp_path / "p.csv")
+    sensor = sensor_of(tmp_path, "p.csv")
+    for x, y in ((0.0, 0.0), (400.0, 300.0), (113.0, 79.0)):  # from the upper left corner
+        u, v = (x + 0.5 - 200.0) / 380.0, (300.0 - y + 0.5 - 160.0) / 270.0
+        here = sum(p * w for p, w in zip(planes.astype(float), (1, u, u * u, v, u * v, v * v)))
+        for fx, fy in ((0.1, 0.0), (0.0, 0.2), (0.15, -0.1)):
+            field = ((x - 200.0) / 250.0, (y - 150.0) / 250.0)  # in half diagonals
+            # Samples are single, and the interpolation is exact for polynomials.
+            assert abs(sensor.otf(fx, fy, unit="cy/px", field=field) - transform(here, 0.5, fx, fy)) < 2e-6
+
+
+def test_stpsf_grids_and_cubes(tmp_path):
+    psfs = [bell(16, 7.5 + 0.3 * k) for k in range(4)]  # an even number, the centre between the middle ones
+    places = ((0, 0), (0, 399), (299, 0), (299, 399))  # y, x, from 0
+    cube = np.array(psfs, ">f8")
+    cards = [*sizes(-64, 16, 16, 4), ("OVERSAMP", 4), *((f"DET_YX{k}", f"'({y}.0, {x}.0)'") for k, (y, x) in enumerate(places))]
+    (tmp_path / "grid.fits").write_bytes(unit(cards, cube.tobytes()))
+    run_command("config", "import", tmp_path / "grid.fits", "--detector", "400,300", "-o", tmp_path / "g.csv")
+    sensor = sensor_of(tmp_path, "g.csv")
+    for psf, (y, x) in zip(psfs, places):
+        for fx, fy in ((0.2, 0.0), (0.3, -0.4)):
+            shift = np.exp(2j * np.pi * (fx + fy) / 8)  # half a step of a quarter of a pixel, towards the first row and column
+            field = ((x + 0.5 - 200.0) / 250.0, (300.0 - y - 0.5 - 150.0) / 250.0)
+            assert abs(sensor.otf(fx, fy, unit="cy/px", field=field) - shift * transform(psf, 0.25, fx, fy)) < 2e-6
+    pair = np.array([bell(17, 8.0), bell(17, 8.0, 2.0)], ">f8")
+    waves = [*sizes(-64, 17, 17, 2), ("PIXELSCL", 0.5), ("WAVELN00", "1.0E-06"), ("WAVELN01", "2.0E-06"), ("EXTNAME", "'OVERDIST'")]
+    (tmp_path / "waves.fits").write_bytes(unit(sizes(-64, 17, 17), pair[0].tobytes()) + unit(waves, pair.tobytes(), False))
+    block = run_command("config", "import", tmp_path / "waves.fits", "--field", "2", "--quiet")
+    assert "2 um" in block  # of OVERDIST
+    step = np.tan(np.radians(0.5 / 3600)) * 1e5  # of 1 m, in pixels
+    assert abs(mk.Sensor.parse(SENSOR + block).otf(0.1, 0.0, unit="cy/px") - transform(pair[1], step, 0.1, 0)) < 2e-6
+
+
 def test_pgm_and_ppm_are_what_numpy_reads(tmp_path):
     for planes, digits, binary in ((1, "P2", "P5"), (3, "P3", "P6")):
         for most, kind in ((200, "u1"), (4095, ">u2")):
@@ -148,3 +225,22 @@ def test_envi_is_written_for_numpy(tmp_path):
     back = mk.read(tmp_path / "x.img", channel="b")
     assert np.array_equal(back.plane("b"), planes["b"]) and back.plane("b").sample is not None
     assert back.attributes["mtf:quantity"] == "radiance" and back.attributes["note"] == "two\nlines ("
+
+
+def test_wavelengths_and_the_ground_are_kept(tmp_path):
+    """A pixel is two samples of the scene; gdalinfo reads where they lie."""
+    np.ones((2, 8, 12), "<f4").tofile(tmp_path / "scene.img")
+    (tmp_path / "scene.hdr").write_text("ENVI\nsamples = 12\nlines = 8\nbands = 2\ndata type = 4\ninterleave = bsq\nbyte order = 0\n"
+                                        "wavelength units = Nanometers\nwavelength = {1000, 2000}\nmtf:units = W.m^-2.sr^-1.um^-1\n"
+                                        "map info = {UTM, 1.5, 3, 500000, 5400000, 30, 30, 32, North, WGS-84, units=Meters}\n")
+    text = SENSOR.replace("[400, 300]", "[6, 4]") + '[scene]\nsample = "5 um"\nquantity = "spectral_radiance"\ngain = 1\noffset = 0\n'
+    (tmp_path / "s.toml").write_text(text + '[[presample]]\nkind = "gaussian"\nsigma = "3 um"\n')
+    for options, first in (((), (0, 0)), (("--roi", "2,1,3,2"), (2, 1))):
+        run_command("simulate", tmp_path / "s.toml", tmp_path / "scene.hdr", "-o", tmp_path / "out.hdr", *options)
+        assert "wavelength = {1, 2}" in (tmp_path / "out.hdr").read_text()
+        if shutil.which("gdalinfo") is None:
+            pytest.skip("gdalinfo is not there (package gdal-bin)")
+        info = json.loads(subprocess.run(["gdalinfo", "-json", tmp_path / "out.img"], check=True, capture_output=True).stdout)
+        corner = 500000 - 0.5 * 30, 5400000 + 2 * 30  # of the first pixel: its outer corner is at 1, 1
+        assert info["geoTransform"] == [corner[0] + 60 * first[0], 60, 0, corner[1] - 60 * first[1], 0, -60]
+        assert "UTM zone 32N" in info["coordinateSystem"]["wkt"]

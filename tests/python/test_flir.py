@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """FLIR's images against ExifTool, bit for bit. Files are written here from the public tables of tags, pictures by PIL."""
 
+import ctypes
 import io
 import shutil
 import struct
@@ -36,9 +37,26 @@ def png(numbers):
     return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(lines)) + chunk(b"IEND", b"")
 
 
-def fff(numbers, order="<", as_png=False, camera=CAMERA):
+def jpeg_ls(numbers):
+    """By CharLS's encoder."""
+    try:
+        charls = ctypes.CDLL("libcharls.so.2")
+    except OSError:
+        pytest.skip("CharLS is not there (package libcharls-dev)")
+    charls.charls_jpegls_encoder_create.restype = ctypes.c_void_p
+    encoder = ctypes.c_void_p(charls.charls_jpegls_encoder_create())
+    frame = struct.pack("=IIii", numbers.shape[1], numbers.shape[0], 16, 1)
+    out, size, pixels = ctypes.create_string_buffer(4096), ctypes.c_size_t(), numbers.astype("=u2").tobytes()
+    assert charls.charls_jpegls_encoder_set_frame_info(encoder, frame) == 0
+    assert charls.charls_jpegls_encoder_set_destination_buffer(encoder, out, ctypes.c_size_t(4096)) == 0
+    assert charls.charls_jpegls_encoder_encode_from_buffer(encoder, pixels, ctypes.c_size_t(len(pixels)), 0) == 0
+    assert charls.charls_jpegls_encoder_get_bytes_written(encoder, ctypes.byref(size)) == 0
+    return out.raw[:size.value]
+
+
+def fff(numbers, order="<", as_png=False, camera=CAMERA, data=None):
     rows, columns = numbers.shape
-    data = png(numbers) if as_png else numbers.astype(order + "u2").tobytes()
+    data = data or (png(numbers) if as_png else numbers.astype(order + "u2").tobytes())
     raw = struct.pack(order + "3H", 2, columns, rows).ljust(32, b"\0") + data
     info = bytearray(0x500)
     struct.pack_into(order + "H", info, 0, 2)
@@ -103,4 +121,19 @@ def test_both_orders_of_bytes_and_frames_of_a_sequence(tmp_path):
     for frame in range(3):
         assert np.array_equal(mk.read(path, part=frame).plane("counts"), counts(frame))
     with pytest.raises(mk.UsageError, match="part N"):
+        mk.read(path)
+
+
+def test_a_csq_is_read_by_frame(tmp_path):
+    path = tmp_path / "a.csq"
+    path.write_bytes(b"".join(fff(counts(frame), data=jpeg_ls(counts(frame))) for frame in range(3)))
+    for frame in range(3):
+        try:
+            image = mk.read(path, part=frame)
+        except mk.DataError as error:
+            assert "libcharls-dev" in str(error)
+            pytest.skip("built without CharLS")
+        assert np.array_equal(image.plane("counts"), counts(frame)) and image.attributes["flir.camera"] == "FLIR E60"
+    path.write_bytes(fff(counts()[:, :-1], data=jpeg_ls(counts())))
+    with pytest.raises(mk.DataError, match="JPEG-LS"):
         mk.read(path)

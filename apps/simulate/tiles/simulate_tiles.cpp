@@ -492,7 +492,8 @@ SurveyedPlan survey_and_plan(const SensorRun& sensor, const SimulateOptions& opt
 
 mtf::io::Metadata metadata_of(const SensorRun& sensor, const SimulateOptions& options, const mtf::io::Scene& scene,
                               const SurveyedPlan& planned) {
-  mtf::io::Metadata metadata = sensor.metadata(scene, planned.plan.inner(), planned.options.tolerance, 0);
+  mtf::io::Metadata metadata =
+      sensor.metadata(scene, planned.plan.inner(), planned.options.tolerance, 0, options.region);
   if (options.region) {
     const auto& [x, y, width, height] = *options.region;
     metadata.text["mtf:region"] = std::to_string(x) + " " + std::to_string(y) + " " + std::to_string(width) + " " +

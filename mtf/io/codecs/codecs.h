@@ -67,6 +67,9 @@ struct Codecs {
                                    const RasterHeader& header);
   std::vector<Image> (*decode_tiff)(const std::string& path, const RasterHeader& header);
   std::vector<Image> (*decode_jpeg)(const std::string& path, const RasterHeader& header);
+  /// Counts of 9 to 16 bits, as 16 bits of this machine, of a JPEG-LS in memory; null where CharLS was not there.
+  std::vector<char> (*decode_jpeg_ls)(const std::string& path, const std::string& bytes, std::int64_t width,
+                                      std::int64_t height);
   int (*encode_png)(int descriptor, const RasterData& data);
   int (*encode_tiff)(int descriptor, const RasterData& data);
 };

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The table of the module and what its formats share; JPEG, which is one call.
+// The table of the module and what its formats share; JPEG and JPEG-LS, which are one call.
 
+#ifdef MTFKIT_HAVE_CHARLS
+#include <charls/charls.h>
+#endif
 #include <turbojpeg.h>
 #include <unistd.h>
 
@@ -95,6 +98,23 @@ std::vector<Image> decode_jpeg(const std::string& path, const RasterHeader& head
   return planes;
 }
 
+#ifdef MTFKIT_HAVE_CHARLS
+std::vector<char> decode_jpeg_ls(const std::string& path, const std::string& bytes, std::int64_t width,
+                                 std::int64_t height) try {
+  charls::jpegls_decoder decoder(bytes, true);
+  const charls::frame_info& frame = decoder.frame_info();
+  if (frame.width != width || frame.height != height || frame.component_count != 1 || frame.bits_per_sample <= 8)
+    undecodable(path, "JPEG-LS", "its pixels are not those that are announced, of 9 to 16 bits");
+  std::vector<char> counts(static_cast<std::size_t>(2 * width * height));
+  decoder.decode(counts);
+  return counts;
+} catch (const charls::jpegls_error& error) {
+  undecodable(path, "JPEG-LS", error.what());
+}
+#else
+constexpr std::nullptr_t decode_jpeg_ls = nullptr;
+#endif
+
 }  // namespace mtf::io::module
 
 extern "C" __attribute__((visibility("default"))) const mtf::io::Codecs* mtfkit_codecs_table() {
@@ -104,6 +124,7 @@ extern "C" __attribute__((visibility("default"))) const mtf::io::Codecs* mtfkit_
                                      module::decode_png,
                                      module::decode_tiff,
                                      module::decode_jpeg,
+                                     module::decode_jpeg_ls,
                                      module::encode_png,
                                      module::encode_tiff};
   module::silence_tiff();

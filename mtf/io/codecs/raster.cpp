@@ -77,8 +77,8 @@ std::vector<Image> decode_raster(const std::string& path, Format format, const R
 
 }  // namespace
 
-FileInfo read_raster_info(const std::string& path, Format format) {
-  const RasterHeader header = raster_header(path, format, 0);
+FileInfo read_raster_info(const std::string& path, Format format, int page) {
+  const RasterHeader header = raster_header(path, format, page);
   FileInfo info = describe(header, format);
   add_counts(path, header, info);
   return info;
@@ -88,9 +88,10 @@ ImageFile read_raster(const std::string& path, Format format, const ReadOptions&
   const RasterHeader header = raster_header(path, format, options.part.value_or(0));
   ImageFile image;
   image.info = describe(header, format);
+  if (options.channel == "counts" && !(header.flir.empty() && header.dji.empty()))
+    return read_raw(path, open_flir, {.channel = {}, .layer = {}, .part = 0});
   add_counts(path, header, image.info);
-  const bool asks_counts = options.channel == "counts" && image.info.channels.back().name == "counts";
-  if (format == Format::jpeg && options.channel && *options.channel != "Y" && !asks_counts)
+  if (format == Format::jpeg && options.channel && *options.channel != "Y")
     throw UsageError(path +
                      ": of a JPEG only the luminance plane Y is read: its colours are mixed and mostly of fewer "
                      "pixels; leave out the choice of a channel, or measure the raw image");

@@ -9,7 +9,7 @@
 
 namespace mtf::io {
 
-FileInfo read_raster_info(const std::string& path, Format format);
+FileInfo read_raster_info(const std::string& path, Format format, int page = 0);
 ImageFile read_raster(const std::string& path, Format format, const ReadOptions& options);
 
 }  // namespace mtf::io

@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "mtf/error.h"
@@ -31,23 +32,23 @@ struct Frequency {
   std::string rest;            ///< what is in place of the unit
 };
 
+/// "frequency_cy_mm", "Spatial freq. [lp/mm]", or the unit alone, "Cy/Pxl".
 Frequency frequency_column(std::string_view cell) {
-  const std::string name = plain_words(cell);
-  const std::size_t end = std::min(name.find('_'), name.size());
-  const std::string word = name.substr(0, end);
-  if (word != "frequency" && word != "freq" && word != "f" && word != "spatial") return {};
-  std::string rest = end < name.size() ? name.substr(end + 1) : "";
-  if (word == "spatial") {
-    if (!rest.starts_with("frequency")) return {};
-    rest = rest.size() > 9 ? rest.substr(10) : "";
-  }
-  Frequency found{.is = true, .unit = nullptr, .rest = rest};
+  std::string rest = plain_words(cell);
+  const auto take = [&](std::string_view word) {
+    const bool is = rest == word || (rest.starts_with(word) && rest[word.size()] == '_');
+    if (is) rest.erase(0, std::min(rest.size(), word.size() + 1));
+    return is;
+  };
+  take("spatial");
+  Frequency found{.is = take("frequency") || take("freq") || take("f"), .unit = nullptr, .rest = rest};
   for (const std::string_view per : {"cy_", "cycles_", "cycles_per_", "cyc_", "c_", "lp_"}) {
     if (!rest.starts_with(per)) continue;
     const std::string what = rest.substr(per.size());
     if (what == "mm" || what == "mrad") found.unit = find_unit("cy/" + what);
-    if (what == "px" || what == "pixel") found.unit = find_unit("cy/px");
+    if (what == "px" || what == "pixel" || what == "pxl") found.unit = find_unit("cy/px");
   }
+  found.is = found.is || found.unit != nullptr || rest == "lw_ph";
   return found;
 }
 
@@ -79,6 +80,10 @@ CurveColumns choose_columns(const std::vector<std::string_view>& cells, const st
   }
   const Frequency found = frequency_column(cells[columns.frequency]);
   columns.unit = found.unit;
+  if (found.rest == "lw_ph")
+    throw UsageError(where +
+                     "line widths per picture height count the rows of an image that is not known here: divide " +
+                     "them by twice its rows, and call them frequency_cy_px");
   if (columns.unit == nullptr)
     throw fail(found.rest.empty()
                    ? "the frequency has no unit"
@@ -268,6 +273,86 @@ std::vector<CurveSamples> mtf_mapper_curves(std::string_view text, std::size_t c
   return all;
 }
 
+constexpr int kNoRank = 9;
+
+/// What is called MTF or SFR first, then the luminance, then colours.
+int mtf_rank(std::string_view cell) {
+  std::string name = plain_words(cell);
+  if (name == "mtf" || name == "sfr") return 0;
+  const bool is_channel = name.starts_with("mtf_") || name.starts_with("sfr_");
+  if (is_channel) name.erase(0, 4);
+  if (name == "lum" || (is_channel && (name == "y" || name == "luminance"))) return 1;
+  constexpr std::array<std::string_view, 6> colours{"r", "red", "g", "green", "b", "blue"};
+  return is_channel && std::ranges::find(colours, name) != colours.end() ? 2 : kNoRank;
+}
+
+/// Cycles per pixel first, and what has no unit last.
+int frequency_rank(std::string_view cell) {
+  const Frequency found = frequency_column(cell);
+  return !found.is ? kNoRank : found.unit == nullptr ? 2 : found.unit->name == "cy/px" ? 0 : 1;
+}
+
+/// Cells of a line, in which a comma between quotes separates nothing.
+std::vector<std::string> quoted_cells(std::string_view line) {
+  std::string text(line);
+  bool inside = false;
+  for (char& c : text) {
+    if (c == '"') inside = !inside;
+    if (c == ',' && inside) c = ' ';
+  }
+  std::vector<std::string> cells;
+  for (const std::string_view cell : split_cells(text, separator_of(text), kMaxSampleColumns)) cells.emplace_back(cell);
+  return cells;
+}
+
+/// The cells of the least rank; empty where none has one.
+std::vector<std::size_t> foremost(const std::vector<std::string>& cells, int (*rank_of)(std::string_view)) {
+  std::vector<std::size_t> found;
+  int least = kNoRank;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const int rank = rank_of(cells[i]);
+    if (rank < least) found.clear(), least = rank;
+    if (rank == least && rank < kNoRank) found.push_back(i);
+  }
+  return found;
+}
+
+struct InstrumentTable {
+  std::string csv;     ///< frequency and MTF, on the lines where they stood; all other lines are comments
+  std::string column;  ///< whose MTF is taken
+};
+
+/// Of a file that other instruments write, whose columns it chooses; nothing where the text is none.
+std::optional<InstrumentTable> instrument_table(std::string_view text, const std::string& source) {
+  InstrumentTable table;
+  std::vector<std::size_t> frequency, value;
+  bool first = true;
+  for (std::size_t line = 1; !text.empty(); ++line, table.csv += '\n') {
+    const std::string_view row = take_text_line(text);
+    if (table.column.empty() && (is_comment(row) || cell_number(row.substr(0, 1)))) continue;  // numbers are no header
+    const std::vector<std::string> cells = quoted_cells(row);
+    if (!table.column.empty()) {
+      if (std::max(frequency[0], value[0]) >= cells.size() || !cell_number(cells[frequency[0]])) break;
+      table.csv += cells[frequency[0]] + "," + cells[value[0]];
+      continue;
+    }
+    frequency = foremost(cells, frequency_rank);
+    value = foremost(cells, mtf_rank);
+    const bool is_first = std::exchange(first, false);
+    if (frequency.empty() || value.empty()) continue;
+    if (is_first && std::ranges::count_if(cells, [](const auto& cell) { return frequency_column(cell).is; }) == 1 &&
+        plain_words(cells[value[0]]) == "mtf")
+      return std::nullopt;  // frequency_cy_mm,mtf and what may stand beside them
+    if (value.size() > 1)
+      throw UsageError(source + ":" + std::to_string(line) + ": columns " +
+                       joined(value, [&](std::size_t i) { return printable(cells[i], 20); }) +
+                       " and none of the luminance; leave the one to be fitted");
+    table.column = printable(cells[value[0]], 20);
+    table.csv += cells[frequency[0]] + ",mtf";
+  }
+  return table.column.empty() ? std::nullopt : std::optional(std::move(table));
+}
+
 }  // namespace
 
 std::string read_file(const std::string& path, std::size_t limit) { return read_whole(path, limit, false); }
@@ -300,10 +385,19 @@ Curve read_curve_csv(const std::string& path) { return parse_curve_csv(read_tabl
 std::vector<CurveSamples> parse_curve_samples(std::string_view text, const std::string& source, const Unit* bare) {
   text = without_mark(text);
   const std::size_t mapper = mtf_mapper_columns(text);
-  const Table table = mapper > 0 ? Table{} : split(text, source);
+  const auto instrument = mapper > 0 ? std::nullopt : instrument_table(text, source);
+  const Table table = mapper > 0 || instrument ? Table{} : split(text, source);
   std::vector<CurveSamples> curves;
   if (mapper > 0) {
     curves = mtf_mapper_curves(text, mapper, source);
+  } else if (instrument) {
+    const Curve curve = parse_curve_csv(instrument->csv, source);
+    const auto skip = static_cast<std::ptrdiff_t>(curve.frequency.front() == 0.0);  // where it is 1 by definition
+    curves.push_back({.name = "column " + instrument->column,
+                      .unit = curve.unit,
+                      .frequency = {curve.frequency.begin() + skip, curve.frequency.end()},
+                      .mtf = {curve.value.begin() + skip, curve.value.end()},
+                      .sd = {}});
   } else if (const auto kind = table.column("curve");
              kind && table.column("edge") && table.column("x") && table.column("value") && table.column("sd")) {
     curves = measured_curves(table, *kind);
@@ -338,8 +432,9 @@ std::vector<CurveSamples> parse_curve_samples(std::string_view text, const std::
   return curves;
 }
 
-std::vector<CurveSamples> read_curve_samples(const std::string& path, const Unit* bare) {
-  return parse_curve_samples(read_table_text(path), path, bare);
+bool is_curve_header(std::string_view line) {
+  const std::vector<std::string> cells = quoted_cells(line);
+  return !foremost(cells, frequency_rank).empty() && !foremost(cells, mtf_rank).empty();
 }
 
 }  // namespace mtf::io

@@ -9,6 +9,9 @@
 //   edge,curve,x,value,sd[,x_unit]  `mtf measure --curves`: one curve an edge, the rows called mtf, in cycles/pixel or
 //                                   the unit of their column x_unit: cy/px, cy/mm, lp/mm (the same) or cy/mrad
 //   MTF Mapper's edge_sfr_values.txt  one of each edge, in cy/px; edges of all directions stand in it
+//   sfrmat4 and 5, Imatest (_MTF.csv)  a table below other lines, of a frequency and SFR or MTF columns, one a colour:
+//       Frequency, cy/pixel | SFR-r | SFR-g | SFR-b | Lum          Cy/mm | LW/PH | MTF | MTF(R) ...
+//       what is called MTF or SFR is taken, else the luminance; cy/px where it is there
 
 #include <string>
 #include <string_view>
@@ -28,8 +31,10 @@ struct CurveSamples {
 /// Samples without an error (f = 0 of a measured curve, where every MTF is 1) and cells without a number where an sd
 /// belongs are left out. Errors as read_curve_csv; UsageError, too, where no curve is in the file.
 /// `bare`: the unit of a column that is called frequency without a unit, in a file with a system's column.
-std::vector<CurveSamples> read_curve_samples(const std::string& path, const Unit* bare = nullptr);
 std::vector<CurveSamples> parse_curve_samples(std::string_view text, const std::string& source,
                                               const Unit* bare = nullptr);
+
+/// Whether a line of names has a frequency and an MTF.
+bool is_curve_header(std::string_view line);
 
 }  // namespace mtf::io

@@ -2,9 +2,12 @@
 #include "mtf/io/designs/mtf_listing.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "mtf/error.h"
+#include "mtf/io/csv/csv_cells.h"
+#include "mtf/io/csv/csv_numbers.h"
 #include "mtf/units.h"
 #include "mtf/words.h"
 
@@ -75,6 +78,49 @@ void check_mtf(const MtfField& field, const std::string& where) {
   }
 }
 
+/// Whether the first line that is no comment names frequencies beside the cuts: a table of places.
+bool is_of_places(const DesignText& text) {
+  const auto header = std::ranges::find_if_not(text.lines, is_comment);
+  if (header == text.lines.end() || !MtfHeader(*header).is()) return false;
+  return std::ranges::any_of(design_words(*header), [](const auto& word) { return design_number(word).has_value(); });
+}
+
+void read_places(const DesignText& text, const DesignReading& reading, MtfListing& listing) {
+  std::array<std::vector<double>, 2> frequencies;  // of the tangential and sagittal columns
+  std::array<std::vector<std::size_t>, 2> columns;
+  std::string place_unit;
+  const std::string remedy = "columns are x (deg), y (deg), tangential (10 cy/mm), sagittal (10 cy/mm), ...";
+  const auto choose = [&](const std::vector<std::string_view>& cells, const std::string& where) {
+    std::vector<std::size_t> all;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      all.push_back(i);
+      const std::vector<std::string> words = design_words(cells[i]);
+      const std::string name = words.empty() ? "" : lower_case(words[0]);
+      const auto frequency = words.size() > 2 ? design_number(words[1]) : std::nullopt;
+      if (i < 2 ? words.size() != 2 || name != (i == 0 ? "x" : "y") : !frequency || frequency_unit(cells[i]).empty())
+        throw UsageError(where + "\"" + printable(cells[i], 40) + "\" cannot stand here; " + remedy);
+      if (i == 0) place_unit = words[1];
+      if (i < 2) continue;
+      listing.unit = frequency_unit(cells[i]);
+      frequencies[name.starts_with("tan") ? 0 : 1].push_back(*frequency);
+      columns[name.starts_with("tan") ? 0 : 1].push_back(i);
+    }
+    if (frequencies[0] != frequencies[1])
+      throw UsageError(where + "the two cuts are of different frequencies; " + remedy);
+    return all;
+  };
+  const CsvNumbers table = read_csv_numbers(joined(text.lines, "\n"), text.source, remedy, choose);
+  for (std::size_t row = 0; row < table.line.size(); ++row) {
+    const double y = table.column[1][row];
+    MtfField field{DesignField{table.column[0][row], reading.y_up ? 0.0 - y : y, place_unit}, {0.0}, {1.0}, {1.0}};
+    field.frequency.insert(field.frequency.end(), frequencies[0].begin(), frequencies[0].end());
+    for (const std::size_t i : columns[0]) field.tangential.push_back(table.column[i][row]);
+    for (const std::size_t i : columns[1]) field.sagittal.push_back(table.column[i][row]);
+    check_mtf(field, text.where(table.line[row] - 1));
+    listing.fields.push_back(std::move(field));
+  }
+}
+
 }  // namespace
 
 bool is_mtf_listing(const DesignText& text) {
@@ -85,7 +131,9 @@ MtfListing read_mtf_listing(const DesignText& text, const DesignReading& reading
   MtfListing listing;
   std::optional<DesignField> place;
   bool is_limit = false;
-  for (std::size_t i = 0; i < text.lines.size(); ++i) {
+  const bool of_places = is_of_places(text);
+  if (of_places) read_places(text, reading, listing);
+  for (std::size_t i = 0; i < text.lines.size() && !of_places; ++i) {
     const std::string& line = text.lines[i];
     const std::string words = lower_case(trimmed(line));
     if (const std::string unit = frequency_unit(line); !unit.empty()) listing.unit = unit;

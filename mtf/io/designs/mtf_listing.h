@@ -10,6 +10,7 @@
 //                                                    Formula  Actual      -0.05000    0.00000
 //                 L/MM f/4.500 RAD  TAN    RAD  TAN   RAD  TAN
 //   tables        frequency (cy/mm), tangential, sagittal
+//                 x (deg), y (deg), tangential (10 cy/mm), sagittal (10 cy/mm), ...   a row a place, against field
 // RAD is the MTF of lines along the radius: the sagittal cut. Of several focus positions that of 0 is taken. An MTF has
 // no phase, and its cuts are no surface: both are said.
 

@@ -214,7 +214,7 @@ ZernikeListing read_zernike_table(const DesignText& text, const DesignReading& r
     take(listing, std::move(field), reading, text.where(table.line[row] - 1));
   }
   listing.remarks.notes.push_back(text.source + ": order of the terms: " + numbering_text(listing.numbering) +
-                                  ", as --order says; taken as terms of the full disc" +
+                                  ", as --order or the title says; taken as terms of the full disc" +
                                   (left_out.empty() ? "" : "; columns left out: " + printable(left_out)));
   return listing;
 }

@@ -4,6 +4,7 @@
 
 #include "mtf/error.h"
 #include "mtf/io/atomic_file.h"
+#include "mtf/io/csv/csv_cells.h"
 #include "mtf/io/file_checks.h"
 #include "mtf/io/raw/envi.h"
 #include "mtf/words.h"
@@ -30,7 +31,12 @@ std::string envi_header(const std::string& path, const std::vector<std::string>&
                      "\nheader offset = 0\nfile type = ENVI Standard\ndata type = 4\ninterleave = " +
                      (names.size() == 1 ? "bsq" : "bil") + "\nbyte order = 0\nband names = {" +
                      joined(names, [](const std::string& name) { return braced(name, true); }) + "}\n";
+  const auto wavelengths = metadata.lists.find("mtf:wavelength");
+  const bool spectral = wavelengths != metadata.lists.end() && wavelengths->second.size() == names.size();
+  if (spectral)
+    text += "wavelength units = Micrometers\nwavelength = {" + joined(wavelengths->second, number_text<float>) + "}\n";
   for (const auto& [name, words] : words_of(metadata)) {
+    if (spectral && name == "mtf:wavelength") continue;
     if (name.empty() || name.find_first_of("=\n;") != std::string::npos ||
         text.find("\n" + lower_case(name) + " = ") != std::string::npos)
       throw UsageError(path + ": attribute '" + printable(name, 40) +

@@ -7,7 +7,8 @@
 //   BSCALE, BZERO     applied: value = BZERO + BSCALE x stored; BZERO = 2^(bits - 1) makes numbers without a sign
 //   BLANK             stored whole number of pixels without data: NaN
 //   ROWORDER          the first row is the lowest one and images are turned over, but for 'TOP-DOWN'
-// Compressed images (ZIMAGE) are tables; they and other tables are not read.
+// A table of PSFEx (PSF_MASK) is one vector of floats, an image of PSFAXIS1 x PSFAXIS2 samples for each term of its
+// polynomials, and read as that. Compressed images (ZIMAGE) are tables; they and other tables are not read.
 
 #include <algorithm>
 #include <array>
@@ -176,6 +177,25 @@ RawImage image_of(const std::string& path, const FitsUnit& unit, int number) {
   return image;
 }
 
+/// The table of PSFEx as the unit of an image; nothing for other tables.
+std::optional<FitsUnit> psfex_image(const FitsUnit& table) {
+  if (table.text("TTYPE1") != "PSF_MASK") return std::nullopt;
+  FitsUnit image = table;
+  image.cards["BITPIX"] = "-32";
+  image.cards["NAXIS"] = table.text("PSFNAXIS");
+  double count = 1.0;
+  const std::int64_t axes = table.size("PSFNAXIS");
+  for (std::int64_t i = 1; i <= std::min<std::int64_t>(axes, 999); ++i) {
+    image.cards["NAXIS" + std::to_string(i)] = table.text("PSFAXIS" + std::to_string(i));
+    count *= static_cast<double>(table.size("PSFAXIS" + std::to_string(i)));
+  }
+  if (axes < 2 || table.text("TFORM1") != fixed(count, 0) + "E" ||
+      4.0 * count != static_cast<double>(table.size("NAXIS1")) || table.size("NAXIS2") != 1)
+    table.fail("TFORM1 = " + printable(table.text("TFORM1"), 20) +
+               " and PSFAXIS1, ... do not fit; PSFEx writes one row of " + "as many floats (E) as they say");
+  return image;
+}
+
 }  // namespace
 
 std::vector<RawImage> open_fits(const std::string& path) {
@@ -194,6 +214,8 @@ std::vector<RawImage> open_fits(const std::string& path) {
     const std::vector<std::int64_t> axes = unit.axes();
     if (unit.text("ZIMAGE") == "T")
       ++compressed;
+    else if (const std::optional<FitsUnit> psf = psfex_image(unit))
+      images.push_back(image_of(path, *psf, number));
     else if (!kind.empty() && kind != "IMAGE")
       ++tables;
     else if (axes.size() >= 2 && unit.bytes > 0 && axes[0] > 0)

@@ -4,7 +4,7 @@
 // ExifTool and FLIR's fff.h). An FFF is a header of 64 bytes, "FFF" or "AFF", with the place and number of its records
 // of 32 bytes: type, place and size. A sequence (SEQ) is one FFF after another, each a part here; a JPEG holds an FFF
 // in its segments APP1.
-//   record 1     counts: width and height, from byte 32 on whole numbers of either order or a PNG; in CSQ files JPEG-LS
+//   record 1     counts: width and height, from byte 32 on whole numbers of either order or a PNG or, in CSQ, JPEG-LS
 //   record 32    the camera: constants of its counts (radiometry/light/raw_counts.h), surface and air that it was told
 // Each has 2 as its first number, by which its order of bytes is known. FLIR writes the samples of the PNG the least
 // byte first, against the standard; the order is that in which neighbours differ less.
@@ -162,7 +162,6 @@ std::vector<char> unpacked_png(const std::string& path, const std::string& png, 
   if (header.width != width || header.height != height || header.colours != 1 || header.type != "uint16")
     throw RuntimeError("cannot read " + name + ": it has " + size_text(header.width, header.height) + " pixels of " +
                        header.type + " where " + size_text(width, height) + " of uint16 are announced");
-  check_plane_size(path, width, height, 2);
   const std::vector<Image> planes = codecs().decode_png(name, stream, size, header);
   const Image& plane = planes.front();
   std::vector<std::uint16_t> counts(static_cast<std::size_t>(plane.size()));
@@ -253,20 +252,24 @@ std::optional<RawImage> frame_of(const FlirBytes& file, std::int64_t begin, bool
   const std::string start = file.at(first, std::min<std::int64_t>(bytes, 8), "the counts");
   image.file = file.path();
   info.storage = geometry.big ? "16-bit, greatest byte first" : "16-bit, least byte first";
-  if (start == kPngStart) {
-    info.storage = "16-bit PNG";
-    image.type.big_endian = false;
+  const bool jpeg_ls = start.starts_with(kJpegStart);
+  if (jpeg_ls && codecs().decode_jpeg_ls == nullptr)
+    throw RuntimeError(
+        "cannot read " + file.path() +
+        ": its counts are JPEG-LS (CSQ), which this build does not read: build it with libcharls-dev, or "
+        "export them as SEQ, TIFF or radiometric JPEG with FLIR's software");
+  if (start == kPngStart || jpeg_ls) {
+    info.storage = jpeg_ls ? "16-bit JPEG-LS" : "16-bit PNG";
+    image.type.big_endian = jpeg_ls && std::endian::native == std::endian::big;
     // Of a file it is read when it is asked for: a sequence need not fit memory.
-    image.unpack = [path = file.path(), held = in_jpeg ? file.at(first, bytes, "a PNG") : std::string(), first, bytes,
-                    width = info.width, height = info.height] {
+    image.unpack = [path = file.path(), held = in_jpeg ? file.at(first, bytes, "the counts") : std::string(), first,
+                    bytes, width = info.width, height = info.height, jpeg_ls] {
+      check_plane_size(path, width, height, 2);
       std::ifstream again(path, std::ios::binary);
-      return unpacked_png(path, held.empty() ? FlirBytes(path, again, first + bytes).at(first, bytes, "a PNG") : held,
-                          width, height);
+      const std::string packed =
+          held.empty() ? FlirBytes(path, again, first + bytes).at(first, bytes, "the counts") : held;
+      return jpeg_ls ? codecs().decode_jpeg_ls(path, packed, width, height) : unpacked_png(path, packed, width, height);
     };
-  } else if (start.starts_with(kJpegStart)) {
-    throw RuntimeError("cannot read " + file.path() +
-                       ": its counts are compressed as JPEG-LS (CSQ), which is not read; export them as SEQ, TIFF or "
-                       "radiometric JPEG with FLIR's software");
   } else {
     const std::int64_t needed = 2 * info.width * info.height;
     if (needed > bytes)

@@ -87,6 +87,44 @@ TEST(CurveSamples, OfMtfMapper) {
   expect_says(refusal(second + "0 1 2 3\n"), {"c.csv:16:", "13 columns"});
 }
 
+// A sheet as results5.m of sfrmat5 lays it out (from its column B on), saved as CSV; numbers have three decimals.
+TEST(CurveSamples, OfSfrmat) {
+  const std::string head =
+      ",Output from Matlab function sfrmat5.m,,,,\n,Analysis:  Spatial Frequency Response,,,,\n,,,,,\n"
+      ",Selected region,\"(1, 1), to (60, 80)\",,,\n,  ,Red,Green,Blue,Lum\n,\"SFR50, "
+      "cy/pixel\",0.2,0.21,0.22,0.23\n,,,,,\n";
+  const std::string rows = ",0,1,1,1,1\n,0.008,0.97,0.98,0.99,0.991\n,0.016,0.94,0.95,0.96,0.962\n";
+  const auto curves = parse_curve_samples(head + ",\"Frequency, cy/pixel\",SFR-r,SFR-g,SFR-b,Lum\n" + rows, "s.csv");
+  ASSERT_EQ(curves.size(), 1U);
+  EXPECT_EQ(curves[0].name, "column Lum");
+  EXPECT_EQ(curves[0].unit->name, "cy/px");
+  EXPECT_EQ(curves[0].frequency, (std::vector{0.008, 0.016}));  // at 0 it is 1 by definition
+  EXPECT_EQ(curves[0].mtf, (std::vector{0.991, 0.962}));
+  const auto grey = parse_curve_samples(head + ",\"Frequency, cy/mm\",SFR\n,0,1\n,1.5,0.97\n", "s.csv");
+  EXPECT_EQ(grey.at(0).name, "column SFR");
+  EXPECT_EQ(grey[0].unit->name, "cy/mm");
+  expect_says(refusal(head + ",Frequency,SFR\n,0,1\n"), {"c.csv:8:", "no unit"});
+  expect_says(refusal(head + ",Frequency cy/mm,SFR-r,SFR-g\n,0,1,1\n"), {"c.csv:8:", "SFR-r, SFR-g"});
+  expect_says(refusal(head + ",Frequency cy/mm,SFR\n,0,1\n,1,0.9x\n"), {"c.csv:10:", "0.9x"});
+}
+
+// The columns that Imatest's manual lists for its file _MTF.csv, of which further tables follow.
+TEST(CurveSamples, OfImatest) {
+  const std::string head = "Imatest,5.2,Master,SFR\nFile,chart.tif\n\n";
+  const std::string rest = "\n\nx,Red edge,Green edge\n-3,0.1,0.1\n";
+  const auto curves = parse_curve_samples(
+      head + "Cy/mm,LW/PH,MTF(R),MTF(G),MTF(B),MTF(Y)\n0,0,1,1,1,1\n5,120,0.8,0.9,0.7,0.85" + rest, "i.csv");
+  EXPECT_EQ(curves.at(0).name, "column MTF(Y)");
+  EXPECT_EQ(curves[0].unit->name, "cy/mm");
+  EXPECT_EQ(curves[0].mtf, std::vector{0.85});
+  const auto selected =
+      parse_curve_samples(head + "Cy/mm,Cy/Pxl,MTF,MTF(Red),MTF(Luminance)\n5,0.025,0.8,0.9,0.7\n" + rest, "i.csv");
+  EXPECT_EQ(selected.at(0).name, "column MTF");
+  EXPECT_EQ(selected[0].unit->name, "cy/px");
+  EXPECT_EQ(selected[0].frequency, std::vector{0.025});
+  expect_says(refusal(head + "LW/PH,MTF\n120,0.85\n"), {"c.csv:4:", "frequency_cy_px"});
+}
+
 TEST(CurveSamples, WhatIsWrongIsSaid) {
   expect_says(refusal("edge,curve,x,value,sd\n1,mtf,0,1,0\n"), {"no sample"});
   expect_says(refusal("edge,curve,x,value,sd\n1,mtf,nan,1,0.1\n"), {"c.csv:2: \"nan\""});
