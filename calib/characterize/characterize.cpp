@@ -562,7 +562,7 @@ void drop_planes(std::vector<Stack>& stacks) {
   const Choice lower = choice_of(stacks, most);
   for (Stack& s : stacks) {
     if (&s != keep.dark && &s != keep.longest && &s != keep.bright && &s != lower.bright) s.sums.pattern = mtf::Image();
-    if (&s != keep.dark) s.sums.noise = {};
+    if (&s != keep.dark) s.sums.noise.pixels.clear();
   }
 }
 

@@ -43,7 +43,6 @@ StackSummary summary_of(const StackStatistics& stack) {
   if (s.frames > 2 && s.squares.value[kTvh] > 0.0)
     s.frame_correlation = {noise.frame_correlation,
                            std::sqrt((T - 2.0) * variance_of_products(s, kept, kept / s.squares.columns)) / (T - 1.0)};
-  s.in_time = stack.time_spectra();
   s.share_low = stack.share_low();
   s.share_high = stack.share_high();
   s.von_neumann = stack.von_neumann();

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numeric>
 #include <string>
 
 #include "mtf/error.h"
@@ -110,8 +111,7 @@ StackStatistics::StackStatistics(std::int64_t width, std::int64_t height, CountR
       height_(height),
       range_(range),
       every_((width * height >> 20) | 1),
-      scale_every_((width * height >> 18) | 1),
-      series_(width, height) {
+      scale_every_((width * height >> 18) | 1) {
   if (width < 2 || height < 2)
     throw mtf::UsageError("frames of " + std::to_string(width) + " x " + std::to_string(height) +
                           " pixels; at least two columns and two rows are needed");
@@ -148,7 +148,6 @@ void StackStatistics::add(std::span<const mtf::ImageView<const float>> frames, i
                             std::to_string(i % width_) + ", " + std::to_string(i / width_) + "; leave it out");
     }
     take(frame);
-    series_.add(frames[f], frame_sums_.back() / static_cast<double>(pixels()));
   }
 }
 
@@ -327,6 +326,9 @@ NoiseScales StackStatistics::noise_scales() const {
   }
   for (const std::vector<float>& one : of_frames.squares(frames_))
     noise.frame.push_back(static_cast<double>(one.front()));
+  for (const std::vector<float>& one : noise.pixels)
+    noise.mean.push_back(std::accumulate(one.begin(), one.end(), 0.0) /
+                         (noise.differences(noise.mean.size()) * static_cast<double>(one.size())));
   return noise;
 }
 

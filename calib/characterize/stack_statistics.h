@@ -6,8 +6,9 @@
 //   for each pixel     sum; sum of squares, of frames above two million pixels in some of the rows
 //   for each frame     squares of the sums of rows, of columns and of all, added to the totals at once
 //   at six lags        sums of the products of pixels that far apart
-//   in time            the squares of the differences of a pixel in successive frames, of the same rows; the values of
-//                      some pixels (spectra.h)
+//   in time            the squares of the differences of a pixel in successive frames, of the same rows; of stretches
+//   of
+//                      1, 2, 4 ... frames (spectra.h)
 // All values are taken about a whole number near their mean, and the sums of counts (whole numbers) are exact. From
 // them follow the seven mean squares of three-dimensional noise, and the temporal covariance of neighbours: as
 //   sum over t of (x_p - mean_p) (x_q - mean_q) = sum over t of x_p x_q - S_p S_q / T
@@ -102,7 +103,6 @@ class StackStatistics {
   /// The slope of a straight line through the means of frames over their numbers, a frame, and its standard deviation
   /// from what lies about the line; 0 and 0 for fewer than four frames.
   FrameDrift drift() const;
-  TimeSpectra time_spectra() const { return series_.spectra(); }
 
  private:
   struct Part;
@@ -119,8 +119,7 @@ class StackStatistics {
   std::int64_t scale_every_;           ///< row is in the scales of time
   TimeScales scales_;                  ///< of those pixels
   std::vector<double> frame_sums_;     ///< about the reference
-  TimeSeries series_;
-  std::vector<float> before_;  ///< the rows of the latest frame whose squares are kept
+  std::vector<float> before_;          ///< the rows of the latest frame whose squares are kept
   std::array<long double, kLags.size()> products_{};
   long double total_ = 0.0L, all_squares_ = 0.0L, frame_squares_ = 0.0L, row_squares_ = 0.0L, column_squares_ = 0.0L;
   long double pixel_steps_ = 0.0L;  ///< of those of pixels
