@@ -266,6 +266,16 @@ TEST(CharacterizePixels, WhatTheTwinHasNot) {
   EXPECT_TRUE(warned_of(found_of({}, odd, random), "4 pixels are beyond 4.5 sd"));
 }
 
+// A pixel that is high in every other frame, with seven changes of seven: the chance of a change that makes so many in
+// one of forty draws is 0.025^(1/7) by the binomial distribution.
+TEST(CharacterizePixels, ALevelThatChangesInEveryFrame) {
+  PixelSeries series{.places = {3}, .values = {}, .frames = 8};
+  for (int t = 0; t < 8; ++t) series.values.push_back(t % 2 == 0 ? 0.0F : 1000.0F);
+  const BlinkingNoise found = estimate_blinking(series, 9.0, 0.5);
+  ASSERT_EQ(found.pixels.size(), 1U);
+  EXPECT_NEAR(found.change95[0], std::pow(0.025, 1.0 / 7.0), 0.05);
+}
+
 // Pixels that blink otherwise than the chain's are said, others are not taken for blinking ones.
 TEST(CharacterizePixels, OtherBlinkingOnes) {
   Random random(9);
