@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// The noise in time by octaves: its sum is the variance of the analysis of variance, its shape that of known noise, and
-// its scatter what the page of `mtf characterize` draws as a band.
+// Spectra of patterns. The noise in time by octaves: its sum is the variance of the analysis of variance, its shape
+// that of known noise, and its scatter what the page of `mtf characterize` draws as a band.
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "calib/characterize/characterize.h"
@@ -88,6 +89,26 @@ TEST(TimeSpectrum, ScattersAsStated) {
     }
     EXPECT_NEAR(squares / stated, 1.0, 0.2) << row;
   }
+}
+
+// White noise has its variance at every frequency, a wave its power n A^2/4 at its own (Parseval), in rows of any
+// length.
+TEST(Spectrum, OfRowsAndColumns) {
+  constexpr std::int64_t kWidth = 49, kHeight = 2000;
+  Engine engine(3);
+  std::normal_distribution<float> normal(0.0F, 2.0F);
+  mtf::Image plane(kWidth, kHeight);
+  for (std::int64_t y = 0; y < kHeight; ++y)
+    for (std::int64_t x = 0; x < kWidth; ++x)
+      plane.at(x, y) =
+          normal(engine) +
+          static_cast<float>(3.0 * std::cos(2.0 * std::numbers::pi * 7.0 * static_cast<double>(x) / kWidth));
+  const std::vector<double> rows = line_spectrum(plane.view(), LineAxis::rows);
+  ASSERT_EQ(rows.size(), 24U);
+  for (std::size_t k = 1; k <= rows.size(); ++k)  // each is the mean of 2000 exponential numbers
+    EXPECT_NEAR(rows[k - 1], k == 7 ? 4.0 + kWidth * 9.0 / 4.0 : 4.0, k == 7 ? 3.0 : 4.5 * 4.0 / std::sqrt(2000.0))
+        << k;
+  EXPECT_EQ(line_spectrum(plane.view(), LineAxis::columns).size(), 1000U);
 }
 
 }  // namespace
