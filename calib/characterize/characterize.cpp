@@ -354,7 +354,10 @@ void Analysis::add_transfer() {
     return Estimate{e.value * factor, std::hypot(e.sd * factor, power * e.value * factor * q.sd / q.value)};
   };
   add_value("electrons_per_count", "e-", {inverse, inverse * gain_.sd / gain_.value}, from);
-  add_value("offset", "counts", {t.offset.value + taken_ - defects_.mean, t.offset.sd}, from);
+  const CrosstalkEstimate& c = result_.crosstalk;  // which gave the neighbours of defects a part
+  const double leaks_sd =
+      defects_.mean * 4.0 / own_charge_ * std::hypot(c.found ? c.side.sd : 0.0, c.corner_found ? c.corner.sd : 0.0);
+  add_value("offset", "counts", {t.offset.value + taken_ - defects_.mean, std::hypot(t.offset.sd, leaks_sd)}, from);
   Estimate read2 = scaled(t.read2, 2.0);  // without the 1/f noise
   read2.sd = std::hypot(read2.sd, slow_.within_sd(static_cast<double>(slow_.frames)) / square(gain_.value));
   const VarianceComponent read{.variance = read2.value,
@@ -388,7 +391,6 @@ void Analysis::add_transfer() {
         "dark_current", "e-/s",
         "it takes dark stacks of two exposure times; until then its noise is in read_noise, its mean in offset");
   }
-  const CrosstalkEstimate& c = result_.crosstalk;
   const std::string by = "covariances of neighbours over the levels";
   if (!(c.side.sd > 0.0)) {
     not_determined("crosstalk_side", "", "no level has light, or the frames are too few or too small to tell");

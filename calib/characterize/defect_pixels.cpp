@@ -16,7 +16,7 @@ using mtf::significant;
 
 constexpr double kFar_sd = 4.5;  // the limit, in standard deviations of the others
 constexpr double kChance_p = 1e-3;
-constexpr double kLeastSeen = 0.9;  // of blinking pixels, with which others change numbers by less than their errors
+constexpr double kLeastSeen = 0.8;  // of blinking pixels: the others change numbers by less than their errors
 
 double far_share() { return 0.5 * std::erfc(kFar_sd / std::numbers::sqrt2); }
 /// By how many standard deviations normal numbers beyond the limit exceed it on average.
