@@ -322,39 +322,48 @@ std::string component_bars(const Characterization& camera, const Stack& stack) {
 std::vector<Figure> time_figures(const Stack& stack, const NoiseUnit& unit) {
   const calib::StackSummary& sums = stack.sums;
   const radiometry::MeanSquares& squares = sums.squares;
-  const calib::TimeSpectra& spectra = sums.in_time;
+  const calib::NoiseScales& noise = sums.noise;
   const auto root = [&](double v) { return unit.per_count * std::sqrt(v); };
   constexpr double kMany = 1e9;  // degrees of freedom: chi-square by F
-  const auto figure = [&](const std::string& title, const std::vector<double>& power, double white, double relative) {
+  struct Power {
+    double f, value, dof;
+  };
+  const auto figure = [&](const std::string& title, const std::vector<Power>& powers, double white) {
     Series measured = large_points("measured"), expected{.name = "white noise, 95 %"};
-    const auto n = std::ssize(power);
-    for (std::int64_t k = 1; k <= n;) {
-      const std::int64_t end = std::min(n + 1, std::max(k + 1, k * 5 / 4));
-      double sum = 0.0, dof = 0.0;
-      for (std::int64_t j = k; j < end; ++j) {
-        sum += power[static_cast<std::size_t>(j - 1)];
-        dof += (2 * j == spectra.length ? 1.0 : 2.0) * static_cast<double>(spectra.runs) / relative;
-      }
-      const double f = 0.5 * static_cast<double>(k + end - 1) / static_cast<double>(spectra.length);
-      put(measured, f, root(sum / static_cast<double>(end - k)));
-      put(expected, f, root(white));
-      expected.low.push_back(root(white * calib::f_quantile(0.025, dof, kMany)));
-      expected.high.push_back(root(white * calib::f_quantile(0.975, dof, kMany)));
-      k = end;
+    for (const Power& power : powers) {
+      put(measured, power.f, root(power.value));
+      put(expected, power.f, root(white));
+      expected.low.push_back(root(white * calib::f_quantile(0.025, power.dof, kMany)));
+      expected.high.push_back(root(white * calib::f_quantile(0.975, power.dof, kMany)));
     }
     Figure f = figure_of(title + ": " + stack.name, "frequency (cycles per frame)",
                          "root of the mean power (" + unit.name + " rms)", {expected, measured});
     f.log_x = f.log_y = true;
     return f;
   };
-  const auto pixels = static_cast<double>(spectra.of_pixels);
-  const double variance = calib::pixel_variance(squares), V = squares.rows, H = squares.columns;
+  const double variance = calib::pixel_variance(squares), V = squares.rows, H = squares.columns,
+               rows = std::ceil(V / static_cast<double>(noise.rows_apart)),
+               relative = variance_of_products(sums, rows * H, rows);
+  std::vector<Power> octaves, bands;
+  for (std::size_t j = noise.mean.size(); j-- > 0;)
+    octaves.push_back(
+        {std::sqrt(0.125) * std::ldexp(1.0, -static_cast<int>(j)), noise.mean[j], noise.differences(j) / relative});
+  const std::int64_t length = std::ssize(sums.frame_means);
+  mtf::Image means(1, length);
+  for (std::int64_t t = 0; t < length; ++t)
+    means.at(0, t) = static_cast<float>(sums.frame_means[static_cast<std::size_t>(t)] - sums.mean);
+  const std::vector<double> power = calib::line_spectrum(means.view(), calib::LineAxis::columns);
+  for (std::int64_t k = 1, end = 0, n = std::ssize(power); k <= n; k = end) {
+    end = std::min(n + 1, std::max(k + 1, k * 5 / 4));
+    const auto count = static_cast<double>(end - k);
+    const double sum = std::accumulate(power.begin() + k - 1, power.begin() + end - 1, 0.0);
+    bands.push_back({0.5 * static_cast<double>(k + end - 1) / static_cast<double>(length), sum / count,
+                     2.0 * count - (2 * (end - 1) == length ? 1.0 : 0.0)});
+  }
   const double of_means =
       (squares.value[radiometry::kTv] + squares.value[radiometry::kTh] - squares.value[radiometry::kTvh]) / (V * H);
-  std::vector<Figure> figures{
-      figure("Spectrum in time of pixels", spectra.pixels, variance,
-             variance_of_products(sums, pixels, std::min(V, pixels))),
-      figure("Spectrum in time of the means of frames", spectra.means, std::max(0.0, of_means), 1.0)};
+  std::vector<Figure> figures{figure("Noise of pixels by octaves", octaves, variance),
+                              figure("Spectrum in time of the means of frames", bands, std::max(0.0, of_means))};
 
   Series found = large_points("pixels"), alike{.name = "were all alike"};
   const double bin = calib::variance_bin(sums), dof = squares.frames - 1.0;

@@ -28,8 +28,9 @@ std::vector<Figure> histogram_figures(const PatternPlane& plane);
 /// The seven components of three-dimensional noise of a stack in electrons; of blackbodies those that were found, in
 /// mK.
 std::string component_bars(const calib::Characterization& camera, const calib::Stack& stack);
-/// Roots of the spectra in time of pixels and of the means of frames (calib/characterize/spectra.h), with what
-/// white noise of the variances of the stack has; how many pixels have which noise, and would have, were they alike.
+/// Roots of the power in time of pixels, by octaves (calib/characterize/spectra.h), and of the means of frames, with
+/// what white noise of the variances of the stack has; how many pixels have which noise, and would have, were they
+/// alike.
 std::vector<Figure> time_figures(const calib::Stack& stack, const NoiseUnit& unit);
 /// Where defects are, at most so many of each plane: those of the largest excess.
 inline constexpr std::size_t kDefectsDrawn = 2000;

@@ -62,16 +62,23 @@ std::optional<Levels> levels_of(const std::vector<double>& values, double white,
 }
 
 /// The chance of a change from the mean number of changes in `steps`, of pixels that have one.
-Estimate chance_of(double mean, double steps, double pixels) {
-  const auto seen = [&](double p) { return -std::expm1(steps * std::log1p(-p)); };
-  double low = 1e-12, high = 1.0 - 1e-12;
-  for (int pass = 0; pass < 200; ++pass) {
-    const double middle = 0.5 * (low + high);
-    (steps * middle / seen(middle) < mean ? low : high) = middle;
-  }
-  const double p = 0.5 * (low + high), squares = (steps * p * (1.0 - p) + steps * steps * p * p) / seen(p);
-  const double variance = squares - std::pow(steps * p / seen(p), 2.0);
-  return {p, p * (1.0 - p) / std::sqrt(pixels * variance)};
+void find_change(double mean, double steps, double pixels, BlinkingNoise& found) {
+  const auto chance = [&](double of_mean) {
+    double low = 1e-12, high = 1.0 - 1e-12;
+    for (int pass = 0; pass < 200; ++pass) {
+      const double middle = 0.5 * (low + high);
+      (steps * middle / seen_part(middle, steps) < of_mean ? low : high) = middle;
+    }
+    return 0.5 * (low + high);
+  };
+  const double p = chance(mean), seen = seen_part(p, steps), squares = (steps * p * (1.0 - p) + steps * steps * p * p);
+  const double variance = squares / seen - mean * mean;
+  found.change = {p, p * (1.0 - p) / std::sqrt(pixels * variance)};
+  // Those beyond the first of each are nearly Poisson numbers, with a variance from half of their mean, as p is at most
+  // 1/2, to a little above it.
+  const double scale = std::max(0.5, variance / (mean - 1.0)), more = pixels * (mean - 1.0);
+  const std::array<double, 2> limits = poisson_limits(more / scale);
+  for (std::size_t k = 0; k < 2; ++k) found.change95[k] = chance(1.0 + limits[k] * scale / pixels);
 }
 
 }  // namespace
@@ -80,6 +87,8 @@ void PixelSeries::add(mtf::ImageView<const float> frame) {
   for (const std::int64_t place : places) values.push_back(frame.at(place % frame.width, place / frame.width));
   ++frames;
 }
+
+double seen_part(double change, double steps) { return -std::expm1(steps * std::log1p(-change)); }
 
 double BlinkingNoise::share_variance(double n) const {
   const double r = 1.0 - 2.0 * change.value;  // correlation of successive frames
@@ -111,8 +120,8 @@ BlinkingNoise estimate_blinking(const PixelSeries& series, double white, double 
   if (n == 0.0) return found;
   found.scatter = std::sqrt(found.scatter / n);
   if (!(changes > n)) return found;  // a single change each: they may be rare or of all times
-  found.change = chance_of(changes / n, T - 1.0, n);
-  found.seen = -std::expm1((T - 1.0) * std::log1p(-found.change.value));
+  find_change(changes / n, T - 1.0, n, found);
+  found.seen = seen_part(found.change.value, T - 1.0);
   return found;
 }
 

@@ -10,10 +10,12 @@
 // away, those of the other pixels' noise w, and of w and the shot noise of x. A pixel blinks where the noise about the
 // levels is that noise, and x is above a limit X, so high that all pixels above it that change at all are noisy, and
 // their levels 8 standard deviations apart. Of n such pixels
-//   changes  are binomial, p of T - 1, but for those without any, which are not seen: p from their mean, and the part
-//            s = 1 - (1 - p)^(T - 1) of the blinking pixels that are seen
+//   changes  are binomial, p of T - 1, but for those without any, which are not seen: p from their mean, its limits by
+//            those of Poisson numbers, and the part s = 1 - (1 - p)^(T - 1) of the blinking pixels that are seen
 //   x - X    has the mean m, and n = N f s exp(-X/m) of N pixels, as of hot ones (defect_pixels.h)
 // Pixels that do not change in the stack stand as hot ones, or at their place in the pattern.
+
+#include <array>
 
 #include "calib/characterize/stack_statistics.h"
 #include "calib/measure/measure.h"
@@ -48,12 +50,16 @@ struct BlinkingNoise {
   std::vector<BlinkingPixel> pixels{};  ///< with an excess above the limit
   double least = 0.0, scatter = 0.0;    ///< X, and the rms error of an excess
   Estimate change{};                    ///< p; sd 0: not known
+  std::array<double, 2> change95{};     ///< its limits
   double seen = 1.0;                    ///< s
   std::int64_t frames = 0;
 
   /// Variance of the share of n frames in which a pixel is high.
   double share_variance(double n) const;
 };
+
+/// s, of that chance of a change.
+double seen_part(double change, double steps);
 
 /// `white`: variance of a pixel that does not blink; `shot`: of the shot noise of an excess of one count.
 BlinkingNoise estimate_blinking(const PixelSeries& series, double white, double shot);

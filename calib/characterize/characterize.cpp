@@ -213,7 +213,10 @@ void Analysis::find_planes() {
       if (away == 0 || side > 0.0) defects_.with_noise.insert(place + away);
   for (Stack& stack : result_.stacks) {
     stack.sums.lasting = slow_.of_mean(stack.sums.squares.frames);
-    leave_out(stack.sums, defects_.with_noise, blinking_.slowness());
+    std::set<std::int64_t> places = defects_.with_noise;
+    if (!blinking_.noise.pixels.empty())  // and those that changed in this stack alone
+      for (const std::int64_t place : noisy_places(stack.sums)) places.insert(place);
+    leave_out(stack.sums, places, blinking_.slowness());
   }
   working_ = 1.0 - static_cast<double>(defects_.dead) / (dark_.rows * dark_.columns);
 }
@@ -241,13 +244,11 @@ void Analysis::make_levels() {
     level.mean_variance = (lines ? std::max(v, s.squares.value[kTv] + s.squares.value[kTh] - v) : v) / n +
                           (pattern + s.lasting) * T / n + (frames ? dark_frames.variance / T : 0.0);
     level.mean_variance += blinking_.mean_variance(T, s.squares.rows * s.squares.columns);
-    const Estimate unseen = static_cast<int>(i) == result_.dark ? Estimate() : blinking_.unseen(T);
-    level.variance = v - s.apart.value - unseen.value - slow_.within(T);
+    level.variance = v - s.apart.value - slow_.within(T);
     level.shared = shared_variance(s.squares);
     level.dof = s.squares.dof(kTvh) * slow_.freedom(v, T) * square(level.variance / (level.variance + slow_.within(T)));
     if (s.apart.value != 0.0)
-      level.dof = 2.0 / (2.0 * static_cast<double>(s.rows_apart) / level.dof +
-                         square(std::hypot(s.apart.sd, unseen.sd) / level.variance));
+      level.dof = 2.0 / (2.0 * static_cast<double>(s.rows_apart) / level.dof + square(s.apart.sd / level.variance));
     // Rounded noise of a pixel is not normal; what it shares scatters with it.
     if (v < 1.5) level.variance_sd = s.variance_sd * v / (v + level.shared);
     level.light_sd = std::sqrt(square(options_.light_repeatability) + flicker / T);
@@ -353,7 +354,10 @@ void Analysis::add_transfer() {
     return Estimate{e.value * factor, std::hypot(e.sd * factor, power * e.value * factor * q.sd / q.value)};
   };
   add_value("electrons_per_count", "e-", {inverse, inverse * gain_.sd / gain_.value}, from);
-  add_value("offset", "counts", {t.offset.value + taken_ - defects_.mean, t.offset.sd}, from);
+  const CrosstalkEstimate& c = result_.crosstalk;  // which gave the neighbours of defects a part
+  const double leaks_sd =
+      defects_.mean * 4.0 / own_charge_ * std::hypot(c.found ? c.side.sd : 0.0, c.corner_found ? c.corner.sd : 0.0);
+  add_value("offset", "counts", {t.offset.value + taken_ - defects_.mean, std::hypot(t.offset.sd, leaks_sd)}, from);
   Estimate read2 = scaled(t.read2, 2.0);  // without the 1/f noise
   read2.sd = std::hypot(read2.sd, slow_.within_sd(static_cast<double>(slow_.frames)) / square(gain_.value));
   const VarianceComponent read{.variance = read2.value,
@@ -387,7 +391,6 @@ void Analysis::add_transfer() {
         "dark_current", "e-/s",
         "it takes dark stacks of two exposure times; until then its noise is in read_noise, its mean in offset");
   }
-  const CrosstalkEstimate& c = result_.crosstalk;
   const std::string by = "covariances of neighbours over the levels";
   if (!(c.side.sd > 0.0)) {
     not_determined("crosstalk_side", "", "no level has light, or the frames are too few or too small to tell");
@@ -562,7 +565,7 @@ void drop_planes(std::vector<Stack>& stacks) {
   const Choice lower = choice_of(stacks, most);
   for (Stack& s : stacks) {
     if (&s != keep.dark && &s != keep.longest && &s != keep.bright && &s != lower.bright) s.sums.pattern = mtf::Image();
-    if (&s != keep.dark) s.sums.noise = {};
+    if (&s != keep.dark) s.sums.noise.pixels.clear();
   }
 }
 

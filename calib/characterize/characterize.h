@@ -40,17 +40,18 @@ struct StackSummary {
   std::array<Covariance, kLags.size()> covariance{};
   double variance_sd = 0.0, share_low = 0.0, share_high = 0.0, von_neumann = 2.0;
   FrameDrift drift{};
-  Estimate frame_correlation{};    ///< of a pixel's noise in successive frames; sd of independent ones, 0: not known
+  /// Of a pixel's noise in successive frames, 0 for noise without memory, above it for 1/f noise, lag and averages over
+  /// frames; sd of independent ones, 0: not known, as of fewer than four frames.
+  Estimate frame_correlation{};
   std::vector<float> variances{};  ///< of pixels in time, those of every `rows_apart`-th row
   std::int64_t rows_apart = 1;
-  TimeSpectra in_time{};
   std::uint32_t step = 1;
   std::vector<double> frame_means{};
   double lasting = 0.0;  ///< what 1/f noise adds to the variance of a pixel's mean over the frames, counts^2
   Estimate apart{};      ///< what pixels that are left out add to the mean square tvh, counts^2
   PixelSeries series{};  ///< of noisy pixels, from a second reading; may be empty
   mtf::Image pattern{};  ///< pixel means less the mean of all; may be empty
-  NoiseScales noise{};   ///< empty where that is
+  NoiseScales noise{};   ///< of pixels empty where that is
 };
 /// Throws UsageError for a single frame.
 StackSummary summary_of(const StackStatistics& stack);

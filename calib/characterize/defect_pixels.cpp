@@ -16,6 +16,7 @@ using mtf::significant;
 
 constexpr double kFar_sd = 4.5;  // the limit, in standard deviations of the others
 constexpr double kChance_p = 1e-3;
+constexpr double kLeastSeen = 0.8;  // of blinking pixels: the others change numbers by less than their errors
 
 double far_share() { return 0.5 * std::erfc(kFar_sd / std::numbers::sqrt2); }
 /// By how many standard deviations normal numbers beyond the limit exceed it on average.
@@ -38,19 +39,22 @@ struct ExponentialTail {
   }
 };
 
-/// NAME_fraction of the pixels, of which the part `seen` is, and NAME_excess.
-void add_exponential(const std::string& name, const ExponentialTail& tail, double pixels, const Estimate& seen,
+/// NAME_fraction of the pixels, of which the part `seen` is, from `least` to `most` of it, and NAME_excess.
+struct SeenPart {
+  double value = 1.0, sd = 0.0, least = 1.0, most = 1.0;
+};
+void add_exponential(const std::string& name, const ExponentialTail& tail, double pixels, const SeenPart& seen,
                      const Estimate& gain, const std::string& unit, const std::string& from, Characterization& camera) {
   const double m = tail.mean(), n = tail.n, F = tail.limit, s = tail.scatter;
-  const double slope = F / m - s * s / (m * m),
-               relative = std::hypot(std::sqrt((1.0 + slope * slope) / n), seen.sd / seen.value);
+  const double slope = F / m - s * s / (m * m), relative = std::sqrt((1.0 + slope * slope) / n);
   const double share = n / pixels * std::exp(F / m - 0.5 * s * s / (m * m)) / seen.value;
+  const auto away = [&](double part) { return std::hypot(k95_sd * relative, std::log(part / seen.value)); };
   camera.findings.push_back({.name = name + "_fraction",
                              .unit = "",
                              .value = std::min(1.0, share),
-                             .sd = share * relative,
-                             .low95 = share * std::exp(-k95_sd * relative),
-                             .high95 = std::min(1.0, share * std::exp(k95_sd * relative)),
+                             .sd = share * std::hypot(relative, seen.sd / seen.value),
+                             .low95 = share * std::exp(-away(seen.most)),
+                             .high95 = std::min(1.0, share * std::exp(away(seen.least))),
                              .from = from});
   // n excesses of one mean are gamma distributed; the gain's error is small beside it.
   const auto [low, high] = poisson_limits(n);
@@ -120,14 +124,6 @@ double BlinkingPixels::squares() const {
   double sum = 0.0;
   for (const BlinkingPixel& pixel : noise.pixels) sum += squared(pixel.excess);
   return sum;
-}
-
-Estimate BlinkingPixels::unseen(double n) const {
-  const double part = (1.0 - noise.seen) / noise.seen, number = part * static_cast<double>(noise.pixels.size());
-  if (!found() || !(part > 0.0)) return {};
-  const double variance = squares() * part / looked_at * (0.25 - noise.share_variance(n)) * n / (n - 1.0);
-  // The squares of exponential numbers scatter by 5 of their mean square, those of few frames by as much once more.
-  return {variance, variance * std::sqrt(12.0 / std::max(1.0, number))};
 }
 
 double BlinkingPixels::slowness() const {
@@ -218,7 +214,7 @@ void add_hot_pixels(const DefectSums& sums, const PlaneSquares& dark, const Esti
     return undetermined(camera.findings.back().why);
   }
   for (const Defect& d : sums.hot) tail.squares += squared(d.excess - F - tail.mean());
-  add_exponential("hot", tail, pixels, {1.0, 0.0}, gain, unit,
+  add_exponential("hot", tail, pixels, {}, gain, unit,
                   from + ", " + std::to_string(sums.hot.size()) + " pixels beyond 4.5 sd", camera);
   if (!tail.is_exponential())
     camera.warnings.push_back(from + ": the excesses of the " + std::to_string(sums.hot.size()) +
@@ -250,6 +246,11 @@ void add_blinking_pixels(const BlinkingPixels& blinking, const Estimate& gain, c
     return undetermined(
         "blinking_fraction", "",
         std::to_string(noise.pixels.size()) + " pixels blink, too few, or too slowly, to tell the part of all");
+  if (noise.seen < kLeastSeen)
+    camera.warnings.push_back(from + ": of the pixels that blink about " + significant(100.0 * (1.0 - noise.seen), 2) +
+                              " % kept their level in these " + std::to_string(noise.frames) +
+                              " frames: gain, offset and patterns hold what they make of other stacks; take a longer "
+                              "dark stack");
   ExponentialTail tail{.n = n, .limit = noise.least, .scatter = noise.scatter};
   double high = 0.0, highs = 0.0, changes = 0.0, spread = 0.0;
   for (const BlinkingPixel& pixel : noise.pixels) {
@@ -262,11 +263,12 @@ void add_blinking_pixels(const BlinkingPixels& blinking, const Estimate& gain, c
     highs += squared(pixel.high - high) / (n - 1.0);
     spread += squared(pixel.changes - changes) / (n - 1.0);
   }
-  const double p = noise.change.value, steps = static_cast<double>(noise.frames) - 1.0, part = noise.change.sd / p;
-  const double by_change = steps * p / (1.0 - p) * (1.0 - noise.seen) / noise.seen * part;
-  add_exponential("blinking", tail, blinking.looked_at, {noise.seen, noise.seen * by_change}, gain, unit, how, camera);
+  const double p = noise.change.value, steps = static_cast<double>(noise.frames) - 1.0;
+  const auto [low, most] = noise.change95;
+  const SeenPart seen{noise.seen, steps * (1.0 - noise.seen) / (1.0 - p) * noise.change.sd, seen_part(low, steps),
+                      seen_part(most, steps)};
+  add_exponential("blinking", tail, blinking.looked_at, seen, gain, unit, how, camera);
   const auto dwell = [](double chance) { return -2.0 / std::log1p(-2.0 * chance); };
-  const double low = p * std::exp(-k95_sd * part), most = p * std::exp(k95_sd * part);
   if (!(dwell(std::min(p, 0.499)) > 1.0) || !(most < 0.5))
     return undetermined("blinking_dwell", "frames", "the levels change from frame to frame; take frames faster");
   camera.findings.push_back({.name = "blinking_dwell",

@@ -45,8 +45,6 @@ struct BlinkingPixels {
   double squares() const;
   /// How many noisy pixels blink or have the noise of their signal.
   double explained() const;
-  /// What those that do not change in the dark stack, of n frames each, add to the variance of pixels in others.
-  Estimate unseen(double n) const;
   /// By how much sums of products of two of them scatter more, as their states last.
   double slowness() const;
   /// Of the mean of n frames, what the chance states of these pixels make of it.

@@ -58,8 +58,8 @@ LagStep fit_lag_step(const std::vector<double>& means) {
                           " frames; give " + std::to_string(kBeforeStep) + " or more before the step and " +
                           std::to_string(kAfterStep) + " or more after it");
   const std::span all(means), after = all.subspan(first), late = after.subspan(after.size() / 2);
-  const double noise_before = variance_of_steps(all.first(first)), noise_late = variance_of_steps(late);
-  if (!(largest * largest > 100.0 * (noise_before + noise_late)))
+  const double noise_before = variance_of_steps(all.first(first));
+  if (!(largest * largest > 100.0 * (noise_before + variance_of_steps(late))))
     throw mtf::UsageError("no step: successive frames differ by their noise; let the light step between two of them");
   LagStep step;
   for (const double one : all.first(first)) step.before += one / static_cast<double>(first);
@@ -78,37 +78,45 @@ LagStep fit_lag_step(const std::vector<double>& means) {
   const double noise = s.residuals / step.dof;
   const double b_by_a = (s.rr * s.ba - s.br * s.ra) / D, r_by_a = (s.bb * s.ra - s.br * s.ba) / D;
   // What each frame makes of B and r, and the noise of successive ones as it is correlated.
-  std::vector<double> by_b, by_r, left;
+  std::vector<double> of_b, of_r, by_b, by_r, left;
   for (double power = r, before = 1.0, k = 1.0; by_b.size() < after.size(); before = power, power *= r, k += 1.0) {
-    const double of_b = 1.0 - power, of_r = (step.before - B) * k * before;
-    by_b.push_back((s.rr * of_b - s.br * of_r) / D);
-    by_r.push_back((s.bb * of_r - s.br * of_b) / D);
+    of_b.push_back(1.0 - power);
+    of_r.push_back((step.before - B) * k * before);
+    by_b.push_back((s.rr * of_b.back() - s.br * of_r.back()) / D);
+    by_r.push_back((s.bb * of_r.back() - s.br * of_b.back()) / D);
     left.push_back(after[left.size()] - B - (step.before - B) * power);
   }
-  double products = 0.0;
-  for (std::size_t i = 1; i < left.size(); ++i) products += left[i] * left[i - 1];
-  const double seen = s.residuals > 0.0 ? products / s.residuals : 0.0;
-  const double lasts = std::clamp(seen + (3.0 + 4.0 * std::max(0.0, seen)) / n, 0.0, kMostLasting);  // less biased
-  const double of_before = noise_before / static_cast<double>(first) * (1.0 + lasts) / (1.0 - lasts);
   // Light has noise of its own, of which the first frames after a step to less of it have a part.
-  const double of_light = std::max(0.0, noise_before - noise_late);
-  double bb = 0.0, rr = 0.0, sum_b = 0.0, sum_r = 0.0;  // of all before, by their correlation
-  double light = of_light * std::abs(r), light_b = 0.0, light_r = 0.0, light_sum = 0.0;
+  const double noise_late = variance_of_steps(std::span(left).subspan(left.size() / 2)),
+               of_light = std::max(0.0, noise_before - noise_late);
+  double products = 0.0, light = of_light, light_b = 0.0, light_r = 0.0, light_sum = 0.0;
   for (std::size_t i = 0; i < left.size(); ++i) {
-    bb += by_b[i] * (by_b[i] + 2.0 * lasts * sum_b);
-    rr += by_r[i] * (by_r[i] + 2.0 * lasts * sum_r);
+    if (i > 0) products += left[i] * left[i - 1];
+    light *= std::abs(r);
     light_b += light * by_b[i] * by_b[i];
     light_r += light * by_r[i] * by_r[i];
     light_sum += light;
-    light *= std::abs(r);
-    sum_b = lasts * sum_b + by_b[i];
-    sum_r = lasts * sum_r + by_r[i];
   }
-  step.after = {B, std::sqrt(noise * bb + light_b + b_by_a * b_by_a * of_before)};
-  step.kept = {r, std::sqrt(noise * rr + light_r + r_by_a * r_by_a * of_before)};
+  const double rest = std::max(0.25 * s.residuals, s.residuals - light_sum), seen = rest > 0.0 ? products / rest : 0.0,
+               lasts = std::clamp(seen + (3.0 + 4.0 * std::max(0.0, seen)) / n, 0.0, kMostLasting);  // less biased
+  const auto correlated = [&](const std::vector<double>& x, const std::vector<double>& y) {
+    double sum = 0.0, before_x = 0.0, before_y = 0.0;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      sum += x[i] * y[i] + x[i] * before_y + y[i] * before_x;
+      before_x = lasts * (before_x + x[i]);
+      before_y = lasts * (before_y + y[i]);
+    }
+    return sum;
+  };
+  // The fit takes more of noise that lasts than two numbers of it.
+  const double lasting = rest / std::max(0.25 * n, n - correlated(by_b, of_b) - correlated(by_r, of_r)),
+               of_before = (of_light + std::min(noise_before, noise_late) * (1.0 + lasts) / std::pow(1.0 - lasts, 2)) /
+                           static_cast<double>(first);
+  step.after = {B, std::sqrt(lasting * correlated(by_b, by_b) + light_b + b_by_a * b_by_a * of_before)};
+  step.kept = {r, std::sqrt(lasting * correlated(by_r, by_r) + light_r + r_by_a * r_by_a * of_before)};
   // Differences of n numbers have two thirds of n degrees of freedom.
   step.is_exponential = std::isfinite(r) && std::isfinite(step.kept.sd) &&
-                        noise <= noise_late / (1.0 - lasts) *
+                        noise <= (noise_late / (1.0 - lasts) + light_sum / step.dof) *
                                          f_quantile(kMisfit, step.dof, 2.0 / 3.0 * static_cast<double>(late.size())) +
                                      1e-13 * (step.before - B) * (step.before - B);
   return step;

@@ -74,10 +74,6 @@ class Scales {
     const std::size_t pixels = noise_.pixel_count();
     double used = 0.0, sum = 0.0, squares = 0.0, n = 0.0;
     std::vector<double> mean(unit_.size()), own(unit_.size());  // own: of all pixels, in the means of frames
-    for (std::size_t j = 0; j < unit_.size(); ++j)
-      for (const float one : noise_.pixels[j])
-        own[j] += static_cast<double>(one) /
-                  static_cast<double>(pixels * pixels * static_cast<std::size_t>(noise_.rows_apart));
     for (std::size_t i = 0; i < pixels; ++i) {
       if (result.left_out[i] != 0) continue;
       used += 1.0;
@@ -87,8 +83,8 @@ class Scales {
     }
     for (std::size_t j = 0; j < unit_.size(); ++j) {
       n += noise_.differences(j);
-      mean[j] = (mean[j] / used - noise_.frame[j] + own[j]) / noise_.differences(j);
-      own[j] /= noise_.differences(j);
+      own[j] = noise_.mean[j] / static_cast<double>(pixels * static_cast<std::size_t>(noise_.rows_apart));
+      mean[j] = (mean[j] / used - noise_.frame[j]) / noise_.differences(j) + own[j];
     }
     // Pixels of unequal noise: fewer count.
     const double unequal = std::max(1.0, used * squares / (square(sum) * (1.0 + 2.0 / n)));

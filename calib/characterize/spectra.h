@@ -6,19 +6,13 @@
 //   P_k = mean over the rows of |sum over x of p(x) exp(-2 pi i k x / n)|^2 / n,   k/n cycles per pixel
 // A white pattern has its variance at every frequency; the mean of each row, at k = 0, is left out.
 //
-// Spectra of the noise in time: the periodograms of the values of a pixel in successive frames, averaged over pixels,
-// and that of the means of frames,
-//   P_k = |sum over t of x(t) exp(-2 pi i k t / T)|^2 / T,   k/T cycles per frame
-// White noise has its variance at every frequency. 1/f noise and lag rise towards low ones, a lamp that flickers
-// regularly is a peak. The pixels are about 1024, in all columns and rows where these are fewer. Of more than 1024
-// frames the spectra are averages over whole runs of 1024, so that the memory is 4 MB for any number.
-//
 // The noise of pixels by the time over which it changes. Of the scale j = 0, 1, 2 ... are the differences
 //   d = (sum of 2^j frames - sum of the 2^j frames after them) / sqrt(2^(j + 1))
 // of stretches that do not overlap, T/2^(j + 1) of them in T frames: Haar's orthonormal wavelets. The mean of d^2 is
 // the variance of white noise at every scale, that of 1/f noise about doubles from one to the next; both nearly without
-// correlation between differences (G. W. Wornell, Signal Processing with Fractals, 1996). A frame that is added costs
-// two differences on average, and the memory is that of two numbers a scale for each pixel that is looked at.
+// correlation between differences (G. W. Wornell, Signal Processing with Fractals, 1996). They are the power in the
+// octave about 0.35/2^j cycles per frame. A frame that is added costs two differences on average, and the memory is
+// that of two numbers a scale for each pixel that is looked at.
 
 #include <cstdint>
 #include <span>
@@ -32,29 +26,6 @@ enum class LineAxis { rows, columns };
 
 /// P_1 to P_(n/2).
 std::vector<double> line_spectrum(mtf::ImageView<const float> plane, LineAxis axis);
-
-struct TimeSpectra {
-  std::int64_t length = 0, runs = 0;  ///< T, and how many of them
-  std::int64_t of_pixels = 0;         ///< how many
-  std::vector<double> pixels, means;  ///< P_1 to P_(T/2), counts^2
-};
-
-/// The frames that the spectra are of.
-class TimeSeries {
- public:
-  TimeSeries(std::int64_t width, std::int64_t height);
-  /// `mean`: of the frame, about any number that is the same for all.
-  void add(mtf::ImageView<const float> frame, double mean);
-  TimeSpectra spectra() const;
-
- private:
-  void take_run(TimeSpectra& sum) const;
-
-  std::vector<std::int64_t> places_;  ///< of the pixels, along rows
-  std::vector<float> first_;          ///< their values in the first frame, which are taken from all
-  std::vector<float> run_;            ///< of each frame of the run those of the pixels, then the mean
-  TimeSpectra sum_;                   ///< over the runs that are whole
-};
 
 class TimeScales {
  public:
@@ -75,8 +46,9 @@ class TimeScales {
 
 /// The same, as kept of a stack.
 struct NoiseScales {
-  std::vector<std::vector<float>> pixels{};  ///< sums of d^2, those of every `rows_apart`-th row
-  std::vector<double> frame{};               ///< of the means of frames
+  std::vector<std::vector<float>> pixels{};  ///< sums of d^2, those of every `rows_apart`-th row; may be empty
+  std::vector<double> mean{};                ///< of d^2, over those pixels
+  std::vector<double> frame{};               ///< sums, of the means of frames
   std::int64_t frames = 0, rows_apart = 1;
 
   bool empty() const { return pixels.empty(); }

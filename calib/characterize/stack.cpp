@@ -28,6 +28,19 @@ double unrounded_noise(const radiometry::MeanSquares& squares) {
   return unrounded_variance(squares.value[kTvh] + shared_variance(squares));
 }
 
+/// Of successive frames, from the differences of those over the power at all scales.
+Estimate correlation_of(const StackSummary& s) {
+  const NoiseScales& noise = s.noise;
+  double sum = 0.0, count = 0.0;
+  for (std::size_t j = 0; j < noise.mean.size(); ++j) {
+    count += noise.differences(j);
+    sum += noise.differences(j) * noise.mean[j];
+  }
+  const double rows = std::ceil(s.squares.rows / static_cast<double>(noise.rows_apart)), first = noise.differences(0);
+  return {1.0 - noise.mean[0] * count / sum,
+          std::sqrt(2.0 * (1.0 / first - 1.0 / count) * variance_of_products(s, rows * s.squares.columns, rows))};
+}
+
 }  // namespace
 
 StackSummary summary_of(const StackStatistics& stack) {
@@ -35,21 +48,16 @@ StackSummary summary_of(const StackStatistics& stack) {
   for (std::size_t k = 0; k < kLags.size(); ++k)
     if (stack.width() > std::abs(kLags[k].columns) && stack.height() > kLags[k].rows)
       s.covariance[k] = stack.covariance(kLags[k]);
-  const PixelNoise noise = stack.pixel_noise();
-  s.variance_sd = noise.variance_sd;
   s.variances = stack.pixel_variances();
   s.rows_apart = stack.rows_apart();
-  const double T = s.squares.frames, kept = static_cast<double>(s.variances.size());
-  if (s.frames > 2 && s.squares.value[kTvh] > 0.0)
-    s.frame_correlation = {noise.frame_correlation,
-                           std::sqrt((T - 2.0) * variance_of_products(s, kept, kept / s.squares.columns)) / (T - 1.0)};
-  s.in_time = stack.time_spectra();
+  leave_out(s, {}, 1.0);
   s.share_low = stack.share_low();
   s.share_high = stack.share_high();
   s.von_neumann = stack.von_neumann();
   s.drift = stack.drift();
   s.step = stack.step();
   s.noise = stack.noise_scales();
+  if (s.frames > 3 && s.squares.value[kTvh] > 0.0) s.frame_correlation = correlation_of(s);
   s.frame_means = stack.frame_means();
   s.pattern = mtf::Image(stack.width(), stack.height());
   for (std::int64_t i = 0; i < s.pattern.size(); ++i)

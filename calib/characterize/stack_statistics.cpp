@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numeric>
 #include <string>
 
 #include "mtf/error.h"
@@ -69,20 +70,6 @@ MTFKIT_CLONES void sum_row(const double* const* rows, std::int64_t width, double
   }
 }
 
-/// Squares of the differences of two rows, by as many lanes.
-MTFKIT_CLONES double squared_steps(const float* row, const float* before, std::int64_t width) {
-  double part[kLanes]{};
-  const auto square = [&](std::int64_t i) {
-    const double step = static_cast<double>(row[i]) - static_cast<double>(before[i]);
-    return step * step;
-  };
-  std::int64_t i = 0;
-  for (; i + kLanes <= width; i += kLanes)
-    for (std::int64_t k = 0; k < kLanes; ++k) part[k] += square(i + k);
-  for (std::int64_t k = 0; i + k < width; ++k) part[k] += square(i + k);
-  return ((part[0] + part[1]) + (part[2] + part[3])) + ((part[4] + part[5]) + (part[6] + part[7]));
-}
-
 /// Of the pairs of a lag in a row: the first columns of the upper (or left) and of the lower pixel, and their number.
 struct Pairs {
   std::int64_t first, second, count;
@@ -97,7 +84,7 @@ Pairs pairs_of(Lag lag, std::int64_t width) {
 /// What a block of rows of a frame adds to the totals. Sums of counts are exact: long doubles are up to 2^64.
 struct StackStatistics::Part {
   std::array<long double, 2 + kLags.size()> sums{};  ///< as RowSums
-  long double row_squares = 0.0L, steps = 0.0L;
+  long double row_squares = 0.0L;
   std::vector<double> columns{};
   std::int64_t low = 0, high = 0;
   std::uint32_t bits = 0;
@@ -110,15 +97,13 @@ StackStatistics::StackStatistics(std::int64_t width, std::int64_t height, CountR
       height_(height),
       range_(range),
       every_((width * height >> 20) | 1),
-      scale_every_((width * height >> 18) | 1),
-      series_(width, height) {
+      scale_every_((width * height >> 18) | 1) {
   if (width < 2 || height < 2)
     throw mtf::UsageError("frames of " + std::to_string(width) + " x " + std::to_string(height) +
                           " pixels; at least two columns and two rows are needed");
   sum_.assign(static_cast<std::size_t>(pixels()), 0.0);
   squares_.assign(static_cast<std::size_t>((height_ + every_ - 1) / every_ * width_), 0.0);
   scales_ = TimeScales((height_ + scale_every_ - 1) / scale_every_ * width_);
-  before_.resize(squares_.size());
 }
 
 void StackStatistics::add(std::span<const mtf::ImageView<const float>> frames, int threads) {
@@ -148,7 +133,6 @@ void StackStatistics::add(std::span<const mtf::ImageView<const float>> frames, i
                             std::to_string(i % width_) + ", " + std::to_string(i / width_) + "; leave it out");
     }
     take(frame);
-    series_.add(frames[f], frame_sums_.back() / static_cast<double>(pixels()));
   }
 }
 
@@ -173,8 +157,7 @@ std::vector<StackStatistics::Part> StackStatistics::reduce(std::span<const mtf::
         }
         Part& part = parts[f * static_cast<std::size_t>(blocks) + static_cast<std::size_t>(block)];
         part.columns.resize(static_cast<std::size_t>(width_));
-        const bool kept = y % every_ == 0;
-        double* squares = kept ? squares_.data() + y / every_ * width_ : not_kept.data();
+        double* squares = y % every_ == 0 ? squares_.data() + y / every_ * width_ : not_kept.data();
         const RowCounts row = add_row(frames[f].row(y), width_, reference_, range_, line(y), sum_.data() + y * width_,
                                       squares, part.columns.data());
         part.low += row.low;
@@ -189,11 +172,6 @@ std::vector<StackStatistics::Part> StackStatistics::reduce(std::span<const mtf::
         if (y % scale_every_ == 0)
           scales_.add(y / scale_every_ * width_, {line(y), static_cast<std::size_t>(width_)},
                       frames_ + static_cast<std::int64_t>(f));
-        if (!kept) continue;
-        float* const before = before_.data() + y / every_ * width_;
-        if (f > 0 || frames_ > 0)
-          part.steps += squared_steps(frames[f].row(y), f > 0 ? frames[f - 1].row(y) : before, width_);
-        if (f + 1 == frames.size()) std::copy_n(frames[f].row(y), width_, before);
       }
   });
   return parts;
@@ -206,7 +184,6 @@ void StackStatistics::take(std::span<const Part> frame) {
     total += part.sums[0];
     all_squares_ += part.sums[1];
     row_squares_ += part.row_squares;
-    pixel_steps_ += part.steps;
     low_ += part.low;
     high_ += part.high;
     bits_ |= part.bits;
@@ -294,23 +271,6 @@ double StackStatistics::kept_variance(std::int64_t i) const {
   return (squares_[static_cast<std::size_t>(i)] - sum * sum / T) / (T - 1.0);
 }
 
-PixelNoise StackStatistics::pixel_noise() const {
-  const auto n = static_cast<double>(std::ssize(squares_));
-  PixelNoise noise;
-  for (std::int64_t i = 0; i < std::ssize(squares_); ++i) noise.variance += kept_variance(i) / n;
-  double squares = 0.0;
-  for (std::int64_t i = 0; i < std::ssize(squares_); ++i) {
-    const double about_mean = kept_variance(i) - noise.variance;
-    squares += about_mean * about_mean;
-  }
-  noise.variance_sd = std::sqrt(squares / (n - 1.0) / static_cast<double>(pixels()));
-  if (frames_ > 2 && noise.variance > 0.0) {
-    const long double steps = pixel_steps_ / static_cast<long double>((frames_ - 1) * std::ssize(squares_));
-    noise.frame_correlation = static_cast<double>(1.0L - steps / (2.0L * noise.variance));
-  }
-  return noise;
-}
-
 std::vector<float> StackStatistics::pixel_variances() const {
   std::vector<float> variances;
   for (std::int64_t i = 0; i < std::ssize(squares_); ++i) variances.push_back(static_cast<float>(kept_variance(i)));
@@ -327,6 +287,9 @@ NoiseScales StackStatistics::noise_scales() const {
   }
   for (const std::vector<float>& one : of_frames.squares(frames_))
     noise.frame.push_back(static_cast<double>(one.front()));
+  for (const std::vector<float>& one : noise.pixels)
+    noise.mean.push_back(std::accumulate(one.begin(), one.end(), 0.0) /
+                         (noise.differences(noise.mean.size()) * static_cast<double>(one.size())));
   return noise;
 }
 

@@ -6,8 +6,7 @@
 //   for each pixel     sum; sum of squares, of frames above two million pixels in some of the rows
 //   for each frame     squares of the sums of rows, of columns and of all, added to the totals at once
 //   at six lags        sums of the products of pixels that far apart
-//   in time            the squares of the differences of a pixel in successive frames, of the same rows; the values of
-//                      some pixels (spectra.h)
+//   in time            squares of the differences of stretches of 1, 2, 4 ... frames, of some of the rows (spectra.h)
 // All values are taken about a whole number near their mean, and the sums of counts (whole numbers) are exact. From
 // them follow the seven mean squares of three-dimensional noise, and the temporal covariance of neighbours: as
 //   sum over t of (x_p - mean_p) (x_q - mean_q) = sum over t of x_p x_q - S_p S_q / T
@@ -44,17 +43,6 @@ struct CountRange {
   double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
 };
 
-/// What the noise of pixels is in time, of those whose squares are kept.
-struct PixelNoise {
-  double variance = 0.0;  ///< mean over the pixels
-  double variance_sd =
-      0.0;  ///< of that mean over all pixels, from the scatter: for any distribution of independent ones
-  /// Correlation in successive frames, 1 - (mean square of the differences) / (twice the variance): 0 for frames of
-  /// independent noise, whatever it is, above it for 1/f noise, lag and averages over frames (J. von Neumann, Ann.
-  /// Math. Stat. 12, 367 (1941)). 0 for two frames, which do not tell.
-  double frame_correlation = 0.0;
-};
-
 /// Counts a frame.
 struct FrameDrift {
   double value = 0.0, sd = 0.0;
@@ -79,10 +67,9 @@ class StackStatistics {
   double pixel_mean(std::int64_t i) const;  ///< i counts along rows
   std::vector<double> frame_means() const;
 
-  /// The three below need two frames; UsageError with fewer.
+  /// Both need two frames; UsageError with fewer.
   radiometry::MeanSquares mean_squares() const;
   Covariance covariance(Lag lag) const;  ///< at one of kLags
-  PixelNoise pixel_noise() const;
   /// Temporal variances of the pixels whose squares are kept, those of every rows_apart()-th row.
   std::vector<float> pixel_variances() const;
   std::int64_t rows_apart() const { return every_; }
@@ -102,7 +89,6 @@ class StackStatistics {
   /// The slope of a straight line through the means of frames over their numbers, a frame, and its standard deviation
   /// from what lies about the line; 0 and 0 for fewer than four frames.
   FrameDrift drift() const;
-  TimeSpectra time_spectra() const { return series_.spectra(); }
 
  private:
   struct Part;
@@ -119,12 +105,9 @@ class StackStatistics {
   std::int64_t scale_every_;           ///< row is in the scales of time
   TimeScales scales_;                  ///< of those pixels
   std::vector<double> frame_sums_;     ///< about the reference
-  TimeSeries series_;
-  std::vector<float> before_;  ///< the rows of the latest frame whose squares are kept
   std::array<long double, kLags.size()> products_{};
   long double total_ = 0.0L, all_squares_ = 0.0L, frame_squares_ = 0.0L, row_squares_ = 0.0L, column_squares_ = 0.0L;
-  long double pixel_steps_ = 0.0L;  ///< of those of pixels
-  std::uint32_t bits_ = 0;          ///< that occur in any value
+  std::uint32_t bits_ = 0;  ///< that occur in any value
   bool whole_ = true;
 };
 

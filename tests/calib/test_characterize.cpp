@@ -9,12 +9,10 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <numeric>
 #include <random>
 
 #include "calib/characterize/characterize.h"
-#include "calib/characterize/spectra.h"
 #include "tests/expect_error.h"
 
 namespace calib {
@@ -399,7 +397,9 @@ TEST(Characterize, SumsAreThoseOfTheDefinitions) {
     expect_near(squares.value[radiometry::kTvh], rest / ((kCount - 1) * (kHeight - 1) * (kWidth - 1)), "tvh");
     long double scatter = 0.0L;
     for (const long double v : variance) scatter += (v - mean_of(variance)) * (v - mean_of(variance));
-    expect_near(one.pixel_noise().variance_sd, std::sqrt(scatter / (kSize - 1) / kSize), "variance_sd");
+    const StackSummary of_one = summary_of(one), of_many = summary_of(many);
+    const double sd = static_cast<double>(std::sqrt(scatter / (kSize - 1) / kSize));
+    EXPECT_NEAR(of_one.variance_sd, sd, 1e-6 * sd);  // of floats
     for (const Lag lag : kLags) {
       long double sum = 0.0L;
       std::int64_t pairs = 0;
@@ -417,15 +417,16 @@ TEST(Characterize, SumsAreThoseOfTheDefinitions) {
                   tolerance * squares.value[radiometry::kTvh]);
       EXPECT_EQ(found.value, many.covariance(lag).value);
     }
-    long double steps = 0.0L;
-    for (std::size_t t = 1; t < kCount; ++t)
-      for (std::size_t i = 0; i < kSize; ++i)
-        steps += (value(t, i) - value(t - 1, i)) * (value(t, i) - value(t - 1, i));
-    EXPECT_NEAR(one.pixel_noise().frame_correlation,
-                static_cast<double>(1.0L - steps / ((kCount - 1) * kSize) / (2.0L * mean_of(variance))), tolerance);
-    EXPECT_EQ(one.pixel_noise().frame_correlation, many.pixel_noise().frame_correlation);
+    long double steps = 0.0L, of_two = 0.0L;  // of the first four frames
+    for (std::size_t i = 0; i < kSize; ++i) {
+      const long double a = value(0, i), b = value(1, i), c = value(2, i), d = value(3, i);
+      steps += ((a - b) * (a - b) + (c - d) * (c - d)) / 2;
+      of_two += (a + b - c - d) * (a + b - c - d) / 4;
+    }
+    EXPECT_NEAR(of_one.frame_correlation.value, static_cast<double>(1.0L - 1.5L * steps / (steps + of_two)), 1e-6);
+    EXPECT_EQ(of_one.frame_correlation.value, of_many.frame_correlation.value);
     EXPECT_EQ(one.mean_squares().value, many.mean_squares().value);
-    EXPECT_EQ(one.pixel_noise().variance_sd, many.pixel_noise().variance_sd);
+    EXPECT_EQ(of_one.variance_sd, of_many.variance_sd);
     EXPECT_EQ(one.von_neumann(), many.von_neumann());
     EXPECT_EQ(one.step(), unit == 1.0 ? 1U : 0U);
     EXPECT_EQ(many.step(), one.step());
@@ -433,8 +434,8 @@ TEST(Characterize, SumsAreThoseOfTheDefinitions) {
 }
 
 // Frames of independent noise, of rows too, have a correlation of 0 within its error; noise that lasts has its own, and
-// pixels that are noisier than normal noise makes any are counted. Six frames: 1 - von Neumann's ratio / 2 of noise
-// with correlation r^k after k frames is 1 - (1 - r) / (1 - 2 / (T (T - 1)) sum over k of (T - k) r^k).
+// pixels that are noisier than normal noise makes any are counted. Six frames have three differences of successive
+// ones, of the power 1 - r of noise with correlation r^k after k frames, and one of pairs.
 TEST(Characterize, NoiseThatLastsIsSaid) {
   Engine engine(11);
   const auto dark = [&](const Camera& camera) {
@@ -467,11 +468,11 @@ TEST(Characterize, NoiseThatLastsIsSaid) {
 
   constexpr double kR = 0.3;
   const Characterization lasting = found({.lasting = kR});
-  double sum = 0.0;
-  for (int k = 1; k < kFrames; ++k) sum += 2.0 * (kFrames - k) * std::pow(kR, k) / (kFrames * (kFrames - 1.0));
+  const double of_pairs = 1.0 + 0.5 * kR - kR * kR - 0.5 * kR * kR * kR;
   const Finding& r = *lasting.find("frame_correlation");
-  const double rounded = 1.0 + 1.0 / 12.0 / (0.16 * 9.0);  // white noise of rounding beside that of reading
-  EXPECT_NEAR(r.value, (1.0 - (1.0 - kR) / (1.0 - sum)) / rounded, 5.0 * r.sd);
+  const double rounded = 1.0 / 12.0 / (0.16 * 9.0);  // white noise of rounding beside that of reading
+  const double steps = 1.0 - kR + rounded;
+  EXPECT_NEAR(r.value, 1.0 - steps / (0.75 * steps + 0.25 * (of_pairs + rounded)), 5.0 * r.sd);
   EXPECT_EQ(r.from.substr(0, 10), "light 0.00");
   EXPECT_TRUE(warned(lasting, "correlated from frame to frame"));
 
@@ -545,26 +546,6 @@ TEST(Characterize, ARefusedFrameIsNamed) {
   const std::vector<mtf::ImageView<const float>> frames{good.view(), good.view(), bad.view()};
   expect_refused({"frame 3", "8, 69"}, [&] { sums.add(frames, 2); });
   EXPECT_EQ(sums.frames(), 2);
-}
-
-// White noise has its variance at every frequency, a wave its power n A^2/4 at its own (Parseval), in rows of any
-// length.
-TEST(Characterize, SpectraOfRowsAndColumns) {
-  constexpr std::int64_t kWidth = 49, kHeight = 2000;
-  Engine engine(3);
-  std::normal_distribution<float> normal(0.0F, 2.0F);
-  mtf::Image plane(kWidth, kHeight);
-  for (std::int64_t y = 0; y < kHeight; ++y)
-    for (std::int64_t x = 0; x < kWidth; ++x)
-      plane.at(x, y) =
-          normal(engine) +
-          static_cast<float>(3.0 * std::cos(2.0 * std::numbers::pi * 7.0 * static_cast<double>(x) / kWidth));
-  const std::vector<double> rows = line_spectrum(plane.view(), LineAxis::rows);
-  ASSERT_EQ(rows.size(), 24U);
-  for (std::size_t k = 1; k <= rows.size(); ++k)  // each is the mean of 2000 exponential numbers
-    EXPECT_NEAR(rows[k - 1], k == 7 ? 4.0 + kWidth * 9.0 / 4.0 : 4.0, k == 7 ? 3.0 : 4.5 * 4.0 / std::sqrt(2000.0))
-        << k;
-  EXPECT_EQ(line_spectrum(plane.view(), LineAxis::columns).size(), 1000U);
 }
 
 // Crosstalk forth, by its definition, and back.

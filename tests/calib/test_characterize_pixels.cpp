@@ -136,18 +136,43 @@ Characterization found_of(const PixelCamera& camera, const PixelArray& array, Ra
   return characterize(std::move(stacks), {});
 }
 
-/// Of how many draws, each a new array, the 95 % intervals hold the truth.
-template <class Truth>
-void expect_held(const PixelCamera& camera, int draws, int dark_frames, const Truth& truth_of) {
-  std::map<std::string, int> held;
-  std::map<std::string, double> error, squares;
-  int misfits = 0;
+bool warned_of(const Characterization& camera, const std::string& words) {
+  return std::ranges::any_of(camera.warnings, [&](const std::string& w) { return w.find(words) != std::string::npos; });
+}
+
+struct PixelCondition {
+  std::string name;
+  PixelCamera camera;
+  int dark_frames = 8;
+  std::map<std::string, double> more{};  ///< what is true beside what all have
+  bool is_slow = false;                  ///< blinking that is refused, or else warned of
+};
+void PrintTo(const PixelCondition& condition, std::ostream* out) { *out << condition.name; }
+
+/// Of how many draws, each a new array, the 95 % intervals hold the truth; and that the mean error is small beside the
+/// standard deviation of a draw, as far as the draws tell.
+void expect_held(const PixelCondition& condition, int draws, double least_sd) {
+  const PixelCamera& camera = condition.camera;
+  struct Tally {
+    int held = 0, stated = 0;
+    double error = 0.0, squares = 0.0;
+  };
+  std::map<std::string, Tally> tallies;
+  int misfits = 0, warned = 0;
   for (int draw = 0; draw < draws; ++draw) {
     Random random(static_cast<std::uint64_t>(1000 + draw));
     const PixelArray array = array_of(camera, random);
-    const Characterization found = found_of(camera, array, random, dark_frames);
+    Characterization found;
+    try {
+      found = found_of(camera, array, random, condition.dark_frames);
+    } catch (const mtf::UsageError& error) {  // pixels that blink slowly look as a drift does
+      ASSERT_TRUE(condition.is_slow) << error.what();
+      continue;
+    }
     misfits += found.misfit ? 1 : 0;
-    std::map<std::string, double> truth = truth_of(array);
+    const Finding* const blinking = found.find("blinking_fraction");
+    warned += warned_of(found, "kept their level") || blinking->verdict == Verdict::not_determined ? 1 : 0;
+    std::map<std::string, double> truth = condition.more;
     truth.insert({{"electrons_per_count", 1.0 / camera.gain},
                   {"read_noise", camera.read_e},
                   {"offset", camera.offset + camera.gain * array.mean_offset_e},
@@ -156,37 +181,73 @@ void expect_held(const PixelCamera& camera, int draws, int dark_frames, const Tr
                   {"prnu", camera.prnu}});
     for (const auto& [name, value] : truth) {
       const Finding* f = found.find(name);
-      ASSERT_NE(f, nullptr) << name;
-      ASSERT_NE(f->verdict, Verdict::not_determined) << name << ": " << f->why;
-      held[name] += f->low95 <= value && value <= f->high95 ? 1 : 0;
-      error[name] += (f->value - value) / draws;
-      squares[name] += (f->value - value) * (f->value - value) / draws;
+      const bool stated = f != nullptr && f->verdict != Verdict::not_determined;
+      ASSERT_TRUE(stated || (condition.is_slow && condition.more.contains(name))) << name;
+      if (!stated) continue;
+      Tally& tally = tallies[name];
+      ++tally.stated;
+      tally.held += f->low95 <= value && value <= f->high95 ? 1 : 0;
+      tally.error += f->value - value;
+      tally.squares += (f->value - value) * (f->value - value);
     }
   }
-  EXPECT_LE(misfits, 2);
-  for (const auto& [name, count] : held) {
-    testing::Test::RecordProperty(name + std::to_string(dark_frames), count);
-    EXPECT_GE(count, draws * 95 / 100 - static_cast<int>(4.2 * std::sqrt(draws * 0.95 * 0.05))) << name;
-    const double sd = std::sqrt(squares[name] - error[name] * error[name]);
-    EXPECT_LT(std::abs(error[name]), (0.25 + 3.0 / std::sqrt(draws)) * sd) << name;
+  if (condition.is_slow)
+    EXPECT_GE(warned, 0.9 * draws);
+  else
+    EXPECT_LE(misfits, 2 + draws / 250);  // p is below 0.001 once in a thousand
+  for (const auto& [name, tally] : tallies) {
+    const double n = tally.stated, mean = tally.error / n, sd = std::sqrt(tally.squares / n - mean * mean);
+    testing::Test::RecordProperty(name, std::to_string(tally.held) + " of " + std::to_string(tally.stated) + ", " +
+                                            std::to_string(mean / sd) + " sd");
+    if (condition.is_slow && !condition.more.contains(name)) continue;
+    EXPECT_GE(tally.held, n * 0.95 - least_sd * std::sqrt(n * 0.95 * 0.05)) << name;
+    // Those that are stated only where chance made them clear are not without bias.
+    EXPECT_LT(std::abs(mean), ((condition.is_slow ? 1.0 : 0.25) + 3.0 / std::sqrt(n)) * sd) << name;
   }
 }
 
-bool warned(const Characterization& camera, const std::string& words) {
-  return std::ranges::any_of(camera.warnings, [&](const std::string& w) { return w.find(words) != std::string::npos; });
-}
-
-// The number of those of a fraction is binomial, so the interval of the fraction is that of the process; the offset,
-// the read noise and the responsivity are those of the other pixels. Of 120 draws 114 should hold, 104 is 4.2 sd less.
-TEST(CharacterizePixels, HotAndDeadOnes) {
-  for (const double side : {0.0, 0.02}) {
-    SCOPED_TRACE(side);
-    const PixelCamera camera{.side = side, .hot_share = 0.01, .hot_e = 200.0, .dead_share = 0.004};
-    expect_held(camera, 120, 8, [&](const PixelArray&) {
-      return std::map<std::string, double>{{"hot_fraction", 0.01}, {"hot_excess", 200.0}, {"dead_fraction", 0.004}};
-    });
+// The number of hot and dead ones of a fraction is binomial, so the interval of the fraction is that of the process;
+// the offset, the read noise and the responsivity are those of the other pixels. The excess of blinking ones is no part
+// of offset, read noise, gain and patterns either: alone, with hot ones and crosstalk, and where they change about once
+// in the dark stack. Read noise and DSNU are those without 1/f noise: a corner at 0.3, one at 0.01 cycles per frame.
+const std::vector<PixelCondition> kPixelConditions = [] {
+  const auto corner = [](double octave_e) {
+    return std::map<std::string, double>{
+        {"flicker_octave", octave_e},
+        {"flicker_corner", 0.5 * octave_e * octave_e / std::numbers::ln2 / (9.0 + 1.0 / 12.0 / 0.25)}};
+  };
+  std::vector<PixelCondition> all{
+      {"HotAndDead", {.hot_share = 0.01, .hot_e = 200.0, .dead_share = 0.004}},
+      {"HotAndDeadCrosstalk", {.side = 0.02, .hot_share = 0.01, .hot_e = 200.0, .dead_share = 0.004}},
+      {"Blinking", {.blinking_share = 0.02, .blinking_e = 200.0}, 64},
+      {"BlinkingFewFrames", {.blinking_share = 0.02, .blinking_e = 400.0, .dwell = 4.0}, 24},
+      {"BlinkingHotCrosstalk",
+       {.side = 0.01, .hot_share = 0.01, .hot_e = 300.0, .blinking_share = 0.02, .blinking_e = 300.0, .dwell = 2.0},
+       32},
+      {"BlinkingOnce", {.blinking_share = 0.02, .blinking_e = 300.0, .dwell = 32.0}, 32, {}, true},
+      {"BlinkingSeldom", {.blinking_share = 0.02, .blinking_e = 300.0, .dwell = 100.0}, 32, {}, true},
+      {"OneOverF", {.octave_e = 2.0}, 64, corner(2.0)},
+      {"OneOverFBelowWhite", {.octave_e = 0.35}, 64, corner(0.35)}};
+  for (PixelCondition& one : all) {
+    const PixelCamera& camera = one.camera;
+    if (camera.hot_share > 0.0) one.more.insert({{"hot_fraction", camera.hot_share}, {"hot_excess", camera.hot_e}});
+    if (camera.dead_share > 0.0) one.more.insert({"dead_fraction", camera.dead_share});
+    if (camera.blinking_share > 0.0)
+      one.more.insert({{"blinking_fraction", camera.blinking_share},
+                       {"blinking_excess", camera.blinking_e},
+                       {"blinking_dwell", camera.dwell}});
   }
-}
+  return all;
+}();
+
+class CharacterizePixelsHeld : public testing::TestWithParam<PixelCondition> {};
+class CharacterizePixelsHeldLong : public testing::TestWithParam<PixelCondition> {};
+TEST_P(CharacterizePixelsHeld, AsStated) { expect_held(GetParam(), 60, 4.2); }
+// With the per cent that the estimators are off by in single conditions.
+TEST_P(CharacterizePixelsHeldLong, AsStated) { expect_held(GetParam(), 1000, 5.0); }
+const auto name_of_condition = [](const auto& condition) { return condition.param.name; };
+INSTANTIATE_TEST_SUITE_P(Cameras, CharacterizePixelsHeld, testing::ValuesIn(kPixelConditions), name_of_condition);
+INSTANTIATE_TEST_SUITE_P(Cameras, CharacterizePixelsHeldLong, testing::ValuesIn(kPixelConditions), name_of_condition);
 
 TEST(CharacterizePixels, WhatTheTwinHasNot) {
   Random random(5);
@@ -196,36 +257,23 @@ TEST(CharacterizePixels, WhatTheTwinHasNot) {
   EXPECT_EQ(good.find("hot_excess")->verdict, Verdict::not_determined);
   EXPECT_NEAR(good.find("dead_fraction")->high95, 3.689 / kPixels, 1e-6);  // no event: -ln 0.025
   EXPECT_TRUE(good.warnings.empty()) << good.warnings.front();
-  EXPECT_FALSE(warned(found({.hot_share = 0.03, .hot_e = 300.0}), "not exponentially"));
-  EXPECT_TRUE(warned(found({.hot_share = 0.03, .hot_e = 300.0, .equally_hot = true}), "not exponentially"));
+  EXPECT_FALSE(warned_of(found({.hot_share = 0.03, .hot_e = 300.0}), "not exponentially"));
+  EXPECT_TRUE(warned_of(found({.hot_share = 0.03, .hot_e = 300.0, .equally_hot = true}), "not exponentially"));
   // A pixel that answers by nine tenths, beyond 4.5 sd of 1 %, and one that is cold.
   PixelArray odd = array_of({}, random);
   for (const std::size_t i : {100U, 700U, 1300U}) odd.response[i] = 0.9;
   odd.offset_e[1900] = -60.0;
-  EXPECT_TRUE(warned(found_of({}, odd, random), "4 pixels are beyond 4.5 sd"));
+  EXPECT_TRUE(warned_of(found_of({}, odd, random), "4 pixels are beyond 4.5 sd"));
 }
 
-// Their excess is no part of offset, read noise, gain and patterns. Alone, and with hot ones and crosstalk.
-TEST(CharacterizePixels, BlinkingOnes) {
-  for (const auto& [camera, frames] :
-       {std::pair{PixelCamera{.blinking_share = 0.02, .blinking_e = 200.0}, 64},
-        std::pair{PixelCamera{.blinking_share = 0.02, .blinking_e = 400.0, .dwell = 4.0}, 24},
-        std::pair{PixelCamera{.side = 0.01,
-        .hot_share = 0.01,
-        .hot_e = 300.0,
-        .blinking_share = 0.02,
-        .blinking_e = 300.0,
-        .dwell = 2.0},
-                  32}}) {
-    SCOPED_TRACE(frames);
-    expect_held(camera, 120, frames, [&](const PixelArray&) {
-      std::map<std::string, double> truth{{"blinking_fraction", camera.blinking_share},
-                                          {"blinking_excess", camera.blinking_e},
-                                          {"blinking_dwell", camera.dwell}};
-      if (camera.hot_share > 0.0) truth.insert({{"hot_fraction", camera.hot_share}, {"hot_excess", camera.hot_e}});
-      return truth;
-    });
-  }
+// A pixel that is high in every other frame, with seven changes of seven: the chance of a change that makes so many in
+// one of forty draws is 0.025^(1/7) by the binomial distribution.
+TEST(CharacterizePixels, ALevelThatChangesInEveryFrame) {
+  PixelSeries series{.places = {3}, .values = {}, .frames = 8};
+  for (int t = 0; t < 8; ++t) series.values.push_back(t % 2 == 0 ? 0.0F : 1000.0F);
+  const BlinkingNoise found = estimate_blinking(series, 9.0, 0.5);
+  ASSERT_EQ(found.pixels.size(), 1U);
+  EXPECT_NEAR(found.change95[0], std::pow(0.025, 1.0 / 7.0), 0.05);
 }
 
 // Pixels that blink otherwise than the chain's are said, others are not taken for blinking ones.
@@ -245,10 +293,10 @@ TEST(CharacterizePixels, OtherBlinkingOnes) {
   EXPECT_TRUE(found(blinks).warnings.empty());
   PixelCamera other = blinks;
   other.equally_blinking = true;
-  EXPECT_TRUE(warned(found(other), "not exponentially"));
+  EXPECT_TRUE(warned_of(found(other), "not exponentially"));
   other = blinks;
   other.seldom_high = true;
-  EXPECT_TRUE(warned(found(other), "% of the time"));
+  EXPECT_TRUE(warned_of(found(other), "% of the time"));
   // A time in a state beyond the stack: hardly any changes, and hot ones otherwise.
   other = blinks;
   other.dwell = 1e5;
@@ -256,16 +304,7 @@ TEST(CharacterizePixels, OtherBlinkingOnes) {
   EXPECT_NE(found(blinks, 4).find("blinking_fraction")->why.find("8 frames"), std::string::npos);
 }
 
-// Read noise and DSNU are those without it. A corner at 0.3, one at 0.01 cycles per frame, and none.
 TEST(CharacterizePixels, NoiseOneOverF) {
-  for (const double octave_e : {2.0, 0.35}) {
-    SCOPED_TRACE(octave_e);
-    expect_held({.octave_e = octave_e}, 120, 64, [&](const PixelArray&) {
-      return std::map<std::string, double>{
-          {"flicker_octave", octave_e},
-          {"flicker_corner", 0.5 * octave_e * octave_e / std::numbers::ln2 / (9.0 + 1.0 / 12.0 / 0.25)}};
-    });
-  }
   Random random(6);
   const auto found = [&](const PixelCamera& camera, int frames) {
     return found_of(camera, array_of(camera, random), random, frames);
@@ -277,18 +316,18 @@ TEST(CharacterizePixels, NoiseOneOverF) {
   EXPECT_NE(found({}, 8).find("flicker_octave")->why.find("16 frames"), std::string::npos);
   const Characterization lag = found({.lasting = 0.4}, 64);
   EXPECT_NE(lag.find("flicker_octave")->why.find("not as 1/f noise"), std::string::npos);
-  EXPECT_TRUE(warned(lag, "correlated from frame to frame"));
-  EXPECT_FALSE(warned(found({.octave_e = 2.0}, 64), "correlated from frame to frame"));
+  EXPECT_TRUE(warned_of(lag, "correlated from frame to frame"));
+  EXPECT_FALSE(warned_of(found({.octave_e = 2.0}, 64), "correlated from frame to frame"));
 }
 
 // The chain's own noise and pixels, made by its stages: what is found are the numbers of its sensor file.
-TEST(CharacterizePixels, StagesOfTheChain) {
+void expect_stages_held(int draws) {
   const radiometry::Defects defects{.dead_fraction = 0.01, .hot_fraction = 0.02, .hot_e = 300.0};
   const radiometry::FlickerOctaves flicker{.octave_e = 1.5, .lowest_cy_frame = 0.1 / 64.0};
   const radiometry::Blinking blinking{.fraction = 0.02, .excess_e = 250.0, .dwell_frames = 5.0};
   std::map<std::string, int> held;
-  constexpr int kDraws = 20;
-  for (std::uint64_t seed = 1; seed <= kDraws; ++seed) {
+  int refused = 0;
+  for (std::uint64_t seed = 1; seed <= static_cast<std::uint64_t>(draws); ++seed) {
     const auto found_defects = radiometry::find_defects(kPixelSide, kPixelSide, defects, seed);
     const auto found_blinking = radiometry::find_blinking(kPixelSide, kPixelSide, blinking, seed);
     mtf::Image offset(kPixelSide, kPixelSide);
@@ -316,6 +355,10 @@ TEST(CharacterizePixels, StagesOfTheChain) {
       for (const mtf::Image& frame : frames) stacks.back().sums.series.add(frame.view());
     }
     const Characterization found = characterize(std::move(stacks), {});
+    if (found.find("flicker_octave")->verdict == Verdict::not_determined) {
+      ++refused;
+      continue;
+    }
     for (const auto& [name, truth] :
          {std::pair{"hot_fraction", 0.02}, std::pair{"hot_excess", 300.0}, std::pair{"dead_fraction", 0.01},
           std::pair{"flicker_octave", 1.5}, std::pair{"read_noise", 3.0}, std::pair{"rate", 3000.0},
@@ -327,13 +370,15 @@ TEST(CharacterizePixels, StagesOfTheChain) {
       held[name] += f->low95 <= truth && truth <= f->high95 ? 1 : 0;
     }
   }
-  int all = 0;
+  EXPECT_LE(refused, 1 + draws / 40);  // 1/f noise whose scales chance makes others
   for (const auto& [name, count] : held) {
     testing::Test::RecordProperty(name, count);
-    all += count;
+    EXPECT_GE(count, (draws - refused) * 0.95 - 4.2 * std::sqrt(draws * 0.95 * 0.05)) << name;
   }
-  EXPECT_GE(all, 10 * kDraws * 95 / 100 - 13);  // 4.2 sd of 200 intervals
 }
+
+TEST(CharacterizePixels, StagesOfTheChain) { expect_stages_held(20); }
+TEST(CharacterizePixelsLong, StagesOfTheChain) { expect_stages_held(120); }
 
 }  // namespace
 }  // namespace calib

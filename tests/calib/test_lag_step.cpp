@@ -44,31 +44,30 @@ Characterization found_of(const std::vector<double>& means, double frame_time_s 
   return camera;
 }
 
-// Of 120 intervals of 95 % 114 should hold; 107 are 3 standard deviations fewer. Those of a lag that is not there hold
-// all, as they begin at 0.
+// Of 1,000 intervals of 95 % 950 should hold; 905 are 5 standard deviations fewer, and a per cent for what 40 frames
+// tell of noise that lasts. Those of a lag that is not there hold all, as they begin at 0.
 TEST(LagStep, IntervalsHoldAsStated) {
-  for (const auto& [kept, memory] : {std::pair{0.0, 0.0}, {0.01, 0.0}, {0.3, 0.0}, {0.8, 0.0}, {0.25, 0.7}}) {
+  for (const auto& [kept, memory] :
+       {std::pair{0.0, 0.0}, {0.01, 0.0}, {0.3, 0.0}, {0.8, 0.0}, {0.25, 0.7}, {0.6, 0.7}, {0.8, 0.7}}) {
     std::map<std::string, int> held;
-    int exponential = 0;
-    for (std::uint64_t draw = 0; draw < 120; ++draw) {
+    int as_it_is = 0;
+    for (std::uint64_t draw = 0; draw < 1000; ++draw) {
       Engine engine(100 + draw);
       const Characterization camera =
           found_of(means_of(kept, engine, 12, 40, 0.0, 0.0, memory, memory > 0.0 ? 4.0 : 0.0));
       const Finding& share = *camera.find("lag_share");
-      exponential += share.verdict != Verdict::not_determined ? 1 : 0;
-      EXPECT_EQ(share.verdict == Verdict::upper_limit, kept == 0.0) << share.why;
+      as_it_is += share.verdict == (kept == 0.0 ? Verdict::upper_limit : Verdict::determined) ? 1 : 0;
       held["share"] += share.low95 <= kept && kept <= share.high95 ? 1 : 0;
       const Finding* const time = camera.find("lag_time_constant");
-      ASSERT_EQ(time != nullptr, kept > 0.0);
-      if (time == nullptr) continue;
+      if (time == nullptr || kept == 0.0) continue;
       const double truth = -0.02 / std::log(kept);
       held["time"] += time->low95 <= truth && truth <= time->high95 ? 1 : 0;
       EXPECT_LT(std::abs(time->value - truth), 6.0 * time->sd);
     }
-    EXPECT_GE(exponential, 118) << kept;  // one in a thousand is refused
+    EXPECT_GE(as_it_is, 990) << kept;  // one in a thousand is beyond 3 sd, or refused
     for (const auto& [name, count] : held) {
-      testing::Test::RecordProperty(name + std::to_string(kept), count);
-      EXPECT_GE(count, 107) << name << " of " << kept;
+      testing::Test::RecordProperty(name + std::to_string(kept) + " " + std::to_string(memory), count);
+      EXPECT_GE(count, 905) << name << " of " << kept;
     }
   }
 }

@@ -39,6 +39,23 @@ TEST(FrameFlicker, density_is_that_of_folded_one_over_f) {
   }
 }
 
+// Up to half a cycle, as a photon detector has it: differences of the means of n frames and of the n after them are as
+// large as 1/f noise makes them, over the frequencies in equal ratios.
+TEST(FrameFlicker, octaves_up_to_half_a_cycle) {
+  const FrameFlicker noise = FlickerOctaves{.octave_e = 1.5, .lowest_cy_frame = 1e-4}.noise();
+  for (int n = 1; n <= 128; n *= 2) {
+    constexpr int kSteps = 200000;
+    const double ratio = std::log(0.5 / noise.lowest) / kSteps;
+    double sum = 0.0;
+    for (int i = 0; i < kSteps; ++i) {
+      const double x = mtf::kPi * noise.lowest * std::exp(ratio * (i + 0.5)), wave = std::sin(n * x);
+      sum += noise.strength * ratio * 4.0 * std::pow(wave, 4) / std::pow(n * std::sin(x), 2);
+    }
+    const double found = 4.0 * (frame_flicker_mean_variance(noise, n) - frame_flicker_mean_variance(noise, 2 * n));
+    EXPECT_NEAR(found / sum, 1.0, 0.025) << n;
+  }
+}
+
 TEST(FrameFlicker, variance_is_the_integral_of_the_density) {
   double sum = 0.0;
   const int points = 1 << 18;  // more than twice the longest octave

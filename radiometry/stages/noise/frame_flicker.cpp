@@ -29,13 +29,14 @@ Parts parts_of(const FrameFlicker& noise) {
     throw mtf::UsageError("1/f noise of frames: strength " + mtf::format_double(noise.strength) + " from " +
                           mtf::format_double(noise.lowest) + " to " + mtf::format_double(noise.highest) +
                           " cycles per frame; frequencies are above 0 and rise, the strength is 0 or above");
-  constexpr double kFirst = 1.48;
+  // Above the first octave is what new numbers have, which is flat: the less folds on it, the more falls with
+  // frequency.
+  const double first = 1.48 + 0.06 / std::max(0.25, noise.highest * noise.highest);
   Parts parts{.white = frame_flicker_variance(noise)};
   // Octaves down to `lowest`, of the last one a part.
   double left = std::min(std::log2(kMiddle / noise.lowest) - 0.5, kMostOctaves);
   for (; left > 0.0; left -= 1.0) {
-    const double one =
-        noise.strength * std::numbers::ln2 * (parts.octaves.empty() ? kFirst : 1.0) * std::min(left, 1.0);
+    const double one = noise.strength * std::numbers::ln2 * (parts.octaves.empty() ? first : 1.0) * std::min(left, 1.0);
     if (one > parts.white) break;
     parts.octaves.push_back(one);
     parts.white -= one;

@@ -6,11 +6,11 @@
 // A frame is a sample of it: what lies above half a cycle per frame is folded and looks white. It is a sum over octaves
 // i = 1, 2, ... of random numbers 2^i frames apart, joined by the two quarters of a cosine, which keep the variance the
 // same in every frame, and of numbers that are new in every frame, which have the rest of the variance (after Voss;
-// Gardner, Scientific American 238 (4), 16 (1978)). With the variance K ln 2 of an octave, 1.48 times that of the first
-// and a part of the last one, the folded spectrum is kept within 3 % from 5 times `lowest` to 0.02 cycles per frame and
-// within 7 % up to the Nyquist frequency, where `highest` is 2 cycles per frame or more; where it is 1/2, within 30 %
-// next to the Nyquist frequency. Below `lowest` it is flat. Each number is that of its pixel and frame: any region,
-// order or number of threads gives the same ones.
+// Gardner, Scientific American 238 (4), 16 (1978)). With K ln 2 in an octave, 1.48 (`highest` of 2 and more) to 1.72
+// (1/2) times that in the first and a part in the last, the folded spectrum is kept within 3 % from 5 times `lowest` to
+// 0.02 cycles per frame and, from 2 on, 7 % up to the Nyquist frequency; for 1/2 within 9 % up to 1/4 and 32 % above,
+// but in each octave within 2.5 % from 15 times `lowest` on. Below `lowest` it is flat. Each number is that of its
+// pixel and frame: any region, order or number of threads gives the same ones.
 
 #include <cmath>
 #include <numbers>
