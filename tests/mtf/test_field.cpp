@@ -445,10 +445,15 @@ TEST(FieldLong, CutPupilsKeepThePromise) {
   cut_pupils_keep_the_promise(24, 18, 2e-2, 17, 0.3);
 }
 
-TEST(FieldLong, PromiseAtRandom) {
-  for (const bool in_tiles : {false, true})
-    for (unsigned seed = 11; seed <= 210; ++seed) keeps_its_promise(seed, in_tiles);
+/// Of so many seeds, modes of the image and modes of tiles.
+constexpr unsigned kSeedsOfACase = 25;
+class FieldPromiseLong : public testing::TestWithParam<unsigned> {};
+TEST_P(FieldPromiseLong, AtRandom) {
+  for (unsigned seed = GetParam(); seed < GetParam() + kSeedsOfACase; ++seed)
+    for (const bool in_tiles : {false, true}) keeps_its_promise(seed, in_tiles);
 }
+// With those of the suite 2,700 random cases.
+INSTANTIATE_TEST_SUITE_P(Seeds, FieldPromiseLong, testing::Range(11U, 11U + 54 * kSeedsOfACase, kSeedsOfACase));
 
 }  // namespace
 }  // namespace mtf::test
