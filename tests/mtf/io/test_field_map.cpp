@@ -283,7 +283,7 @@ TEST_F(ConfigFieldMap, CurvesAtPositions) {
     EXPECT_NEAR(s.otf({0.6 * f, 0.8 * f}).re, a, 1e-15) << f;
     EXPECT_NEAR(s.at({0.24, -0.32}).otf({0.6 * f, 0.8 * f}).re, 0.6 * a + 0.4 * b, 1e-14) << f;
   }
-  const Component<double>& there = s.at({0.24, -0.32}).list(Stage::presample)[0].component;
+  const Component<double> there = s.at({0.24, -0.32}).list(Stage::presample)[0].component;
   EXPECT_NEAR(there.cutoff_cy_mm(s.context()), 90.0, 1e-12);
   EXPECT_FALSE(there.traits(s.context()).gain);
   const ConfigResult first = read(body);
@@ -313,7 +313,7 @@ TEST_F(ConfigFieldMap, CurvesAtPositions) {
   file("corner.csv", "frequency_cy_px,mtf\n0,1\n0.5,0\n");
   expect_error(body, {"corner.csv: frequencies in cy/px", "one unit"});
   file("curves.csv", "x,y,file\n0,0,axis.csv\n0.5,0,axis.csv\n0,0.5,axis.csv\n");
-  expect_error(body, {"presample[0].file[0]", "curves.csv covers the area", "add positions"});
+  expect_error(body, {"presample[0].file", "curves.csv covers the area", "add positions"});
   std::string many = "r,file\n";
   for (int i = 0; i <= 400; ++i) many += std::to_string(i) + ",axis.csv\n";
   file("curves.csv", many);
