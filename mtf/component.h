@@ -205,6 +205,16 @@ ValueSlope evaluate(const Curve& curve, double f);
 /// From where on it is 0, in the curve's own unit.
 double end_of(const Curve& curve);
 
+/// A curve, or the curves at positions of the field, of one unit, and the weights by which they are summed.
+template <class S>
+struct CurveSum {
+  std::vector<std::shared_ptr<const Curve>> curves{};
+  std::vector<S> weight{};  ///< none: one curve as it is
+
+  CurveSum() = default;
+  CurveSum(std::shared_ptr<const Curve> one) : curves{std::move(one)} {}
+};
+
 template <class S>
 using Taps = std::vector<std::vector<S>>;  ///< rows of equal length, taps[row][column]
 
@@ -217,7 +227,7 @@ template <class S>
 struct FieldRef {
   const FieldInfo* info;
   std::variant<S*, std::optional<S>*, AxisPair<S>*, SpatialFrequency<S>*, int*, Choice*, Coefficients<S>*, Taps<S>*,
-               std::shared_ptr<const Curve>*>
+               CurveSum<S>*>
       value;
 };
 

@@ -9,6 +9,7 @@
 // (FieldMap), and an angle may turn with the field point. System::at(q) is the system that a pixel there sees. The
 // definition of an image: a pixel sees what the isoplanatic sensor with that pixel's OTF would see.
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -46,7 +47,9 @@ enum class FieldUnit { half_diagonal, millimetre, slope, pixel };
 /// Values at positions of the field, and between them the polyharmonic interpolant (Duchon, 1977)
 ///   value(u) = sum of weight[i] |u - u_i|^n + polynomial(u),   u = (position - middle) / scale,
 /// of which the polynomial is the part of degree 1 (n = 3), 2 or 3 (n = 5) that the positions determine, so that fields
-/// that are such polynomials are met exactly. Made by make_field_map (mtf/field/field_map.h).
+/// that are such polynomials are met exactly. Made by make_field_map (mtf/field/field_map.h). Or values in an image of
+/// the whole detector, at the middles of samples of any number, row after row in each column: between them cubics
+/// through the four around along each axis, which meet parabolas exactly (Keys, 1981). Made by make_field_image.
 struct FieldMap {
   static constexpr std::size_t kMostTerms = 10;  ///< of a polynomial in x and y of degree 3
   struct Column {
@@ -67,6 +70,7 @@ struct FieldMap {
   bool radial = false;  ///< positions are distances from the optical axis; their y is 0
   std::vector<FieldPoint<double>> position;
   std::vector<Column> column;
+  int columns = 0, rows = 0;  ///< of an image, whose unit is the pixel and which has no positions
   // As made:
   int degree = 0;
   FieldPoint<double> middle{};
@@ -75,6 +79,9 @@ struct FieldMap {
 
   bool operator==(const FieldMap&) const = default;
 
+  bool is_image() const { return columns > 0; }
+  /// Of an image: throws UsageError unless it has the shape of a detector of so many pixels.
+  void require_shape_of(int detector_columns, int detector_rows) const;
   /// Whether a place, in the map's own unit, lies among the positions, or beyond them by no more than 1 % of their
   /// width.
   bool covers(const FieldPoint<double>& place) const;
@@ -99,6 +106,33 @@ struct FieldMap {
     if (!(square > S(0))) return S(0);  // whose root has no derivative
     const S cube = square * sqrt(square);
     return degree < 2 ? cube : S(cube * square);
+  }
+  /// Of n samples, the four about a place and their weights; beyond an end goes the line through the last two.
+  template <class S>
+  struct Cubic {
+    std::array<std::size_t, 4> sample;
+    std::array<S, 4> weight;
+    Cubic(const S& place, double whole, int n) {
+      const int i = std::clamp(static_cast<int>(std::floor(whole)), 0, n - 2);
+      const S t = place - S(i);
+      weight = {t * (t * (S(1) - S(0.5) * t) - S(0.5)), S(1) + t * t * (S(1.5) * t - S(2.5)),
+                t * (S(0.5) + t * (S(2) - S(1.5) * t)), t * t * (S(0.5) * t - S(0.5))};
+      for (int k = 0; k < 4; ++k)
+        sample[static_cast<std::size_t>(k)] = static_cast<std::size_t>(std::clamp(i + k - 1, 0, n - 1));
+      if (i == 0) weight[1] += S(2) * weight[0], weight[2] -= weight[0], weight[0] = S(0);
+      if (i == n - 2) weight[2] += S(2) * weight[3], weight[1] -= weight[3], weight[3] = S(0);
+    }
+  };
+  /// At a place in samples from the corner of the image; `x`, `y`: the same as numbers.
+  template <class S>
+  S of_image(std::size_t which, const FieldPoint<S>& place, double x, double y) const {
+    const Cubic<S> along(place.x - S(0.5), x - 0.5, columns), across(place.y - S(0.5), y - 0.5, rows);
+    S sum(0);
+    for (std::size_t j = 0; j < 4; ++j)
+      for (std::size_t i = 0; i < 4; ++i)
+        sum += across.weight[j] * along.weight[i] *
+               S(column[which].value[across.sample[j] * static_cast<std::size_t>(columns) + along.sample[i]]);
+    return sum;
   }
   template <class S>
   S at(std::size_t which, const FieldPoint<S>& place) const {

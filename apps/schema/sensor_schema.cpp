@@ -7,6 +7,7 @@
 #include "apps/schema/schema_values.h"
 #include "apps/schema/schemas.h"
 #include "apps/text/json.h"
+#include "mtf/io/config/config_reader.h"
 #include "mtf/settings.h"
 
 namespace apps {
@@ -21,15 +22,22 @@ Json component_schema(const ComponentKind& kind) {
   add_parameters(kind.parameters, table);
   if (!kind.stages.presample) return table;
   table["properties"]["table"] = text_schema("CSV file with numbers over the field, columns called as their keys");
+  for (const mtf::io::cfg::FileKey& key : mtf::io::cfg::kFileKeys)
+    if (key.kind == kind.kind) table["properties"][std::string(key.key)] = text_schema(std::string(key.doc));
   // Which of the numbers come from there only the file says.
   Json numbers = Json::object();
   numbers["required"] = std::exchange(table["required"], {"kind"});
   if (const Json* sizes = table.find("allOf")) numbers["allOf"] = *sizes;
   std::erase_if(table.items(), [](const auto& member) { return member.first == "allOf"; });
-  Json with_table = Json::object();
-  with_table["required"] = {"table"};
   table["anyOf"] = Json::array();
-  table["anyOf"].push_back(std::move(with_table));
+  const auto with_file = [&](std::string_view key) {
+    Json given = Json::object();
+    given["required"] = {std::string(key)};
+    table["anyOf"].push_back(std::move(given));
+  };
+  with_file(mtf::io::cfg::kTableKey);
+  for (const mtf::io::cfg::FileKey& key : mtf::io::cfg::kFileKeys)
+    if (key.kind == kind.kind) with_file(key.key);
   table["anyOf"].push_back(std::move(numbers));
   return table;
 }

@@ -180,7 +180,7 @@ FitResult fit_one(const FitData& data, std::span<const FitParameter> parameters,
   if (solution.converged) flat = flat_points(problem, solved);
   const std::vector<double> found = problem.x;
   if (leave_flat_points(problem, solved, flat, solution, how)) judge(solved, parameters);
-  if (solution.converged) mirrors = mirrored_minima(problem, solved, solution, parameters, how);
+  if (solution.converged) mirrors = mirrored_minima(problem, solved, solution, parameters, how, plain);
   if (problem.x != found) flat = flat_points(problem, solved);
   set_apart(solved, flat);
   result.iterations = solution.iterations;
@@ -208,10 +208,9 @@ FitResult fit_one(const FitData& data, std::span<const FitParameter> parameters,
   if (options.residual_otf) result.residual_otf.assign(result.frequency_cy_px.size(), 0.0);
   report_data(data, setup.block_of, solved, result);
   if (solution.converged) {
-    const bool bent = report_squares(problem, solved, solution.cost, progress.asks(), result);
-    const bool judge = bent || !flat.empty();
-    if (options.profile || judge)
-      report_intervals(problem, solved, flat, judge, solution.cost, mirrors, progress.asks(), result);
+    const std::vector<BentSquare> bent = report_squares(problem, solved, solution.cost, progress.asks(), result);
+    if (options.profile || !bent.empty() || !flat.empty())
+      report_intervals(problem, solved, flat, bent, options.profile, solution.cost, mirrors, progress.asks(), result);
     report_mirrors(problem, solved, mirrors, flat, result);
     if (gain != nullptr) *gain = gain_of_last(problem, solved, solution.cost);
   }

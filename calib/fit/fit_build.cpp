@@ -289,15 +289,16 @@ FitSetup make_setup(const FitData& data, std::span<const FitParameter> parameter
 
   for (const FitParameter& parameter : parameters) problem.priors.push_back(parameter.prior);
   const std::vector<Probe> probes = probes_of(problem.blocks);
-  problem.variables = make_variables(*setup.sensors, parameters, setup.start, infos, probes);
+  problem.variables = make_variables(*setup.sensors, parameters, setup.start, infos, probes, options.threads);
   const std::vector<double> near = near_values(problem, setup.start, infos);
-  const std::vector<double> seen = seen_values(*setup.sensors, problem.variables, near, probes);
+  const std::vector<double> seen = seen_values(*setup.sensors, problem.variables, near, probes, options.threads);
   for (std::size_t i = 0; i < seen.size(); ++i)
     if (seen[i] != near[i])
       setup.warnings.push_back(parameters[i].path +
                                ": so far up more or less of it changes nothing; the fit begins at " +
                                mtf::format_double(seen[i]) + " in place of " + mtf::format_double(near[i]));
-  if (seen != setup.start) problem.variables = make_variables(*setup.sensors, parameters, seen, infos, probes);
+  if (seen != setup.start)
+    problem.variables = make_variables(*setup.sensors, parameters, seen, infos, probes, options.threads);
   for (const Variable& variable : problem.variables) problem.x.push_back(variable.start);
   problem.apply();
   for (const Block& block : problem.blocks)

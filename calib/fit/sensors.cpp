@@ -6,6 +6,8 @@
 #include <cmath>
 
 #include "calib/fit/parameter_site.h"
+#include "mtf/components/field_access.h"
+#include "mtf/components/wavefront.h"
 #include "mtf/otf/band_mean.h"
 #include "mtf/otf/otf_series.h"
 
@@ -46,9 +48,15 @@ void unpack(const double* from, Complex<Jet4>& h) {
 }
 
 double plain(double value) { return value; }
-double plain(const Jet4& value) { return value.a; }
 double largest_part(double value) { return std::abs(value); }
-double largest_part(const Jet4& value) { return std::max(std::abs(value.a), value.v.cwiseAbs().maxCoeff()); }
+template <int N>
+double plain(const ceres::Jet<double, N>& value) {
+  return value.a;
+}
+template <int N>
+double largest_part(const ceres::Jet<double, N>& value) {
+  return std::max(std::abs(value.a), value.v.cwiseAbs().maxCoeff());
+}
 
 /// Frequencies as multiples of one vector of unit length, where that is what they are.
 template <class S>
@@ -110,9 +118,10 @@ void mean_over_band(const System<S>& system, std::span<const Component<S>* const
   }
 }
 
-/// h[i] *= the OTF of a component that costs microseconds a frequency, along one ray: from its series between kinks.
+/// h[i] *= an OTF that costs microseconds a frequency, along one ray up to its end: from its series between kinks.
+/// `multiply(f, h)`: as of a component.
 template <class S>
-void multiply_by_series(const Component<S>& component, const mtf::Context<S>& context, const Ray<S>& ray,
+void multiply_by_series(const auto& multiply, double end, const std::vector<double>& kinks, const Ray<S>& ray,
                         std::span<Complex<S>> h) {
   constexpr double kError = 1e-7;  // of H, as of the mean over a band
   constexpr std::size_t kMostPanels = 64;
@@ -121,11 +130,11 @@ void multiply_by_series(const Component<S>& component, const mtf::Context<S>& co
     f.clear();
     for (const double one : t) f.push_back({ray.unit.x * one, ray.unit.y * one});
     values[0].assign(t.size(), {S(1), S(0)});
-    component.multiply(f, context, values[0]);
+    multiply(f, values[0]);
   };
-  const double end = std::min(*std::ranges::max_element(ray.t), component.cutoff_cy_mm(context));
   std::vector<mtf::SeriesPanel<S, 1>> panels;
-  mtf::append_series<S, 1>(panels, {0.0, end}, kError, kMostPanels, component.kinks_cy_mm(context), evaluate);
+  mtf::append_series<S, 1>(panels, {0.0, std::min(*std::ranges::max_element(ray.t), end)}, kError, kMostPanels, kinks,
+                           evaluate);
   std::vector<bool> within(h.size());
   for (const mtf::SeriesPanel<S, 1>& panel : panels) {
     std::vector<std::size_t> here;
@@ -143,19 +152,31 @@ void multiply_by_series(const Component<S>& component, const mtf::Context<S>& co
     if (!within[i]) h[i] = {S(0), S(0)};  // beyond the cutoff
 }
 
+constexpr std::size_t kFew = 32;  // frequencies that cost less than a series
+
+/// The OTF of an entry of the presample list, where it is at hand.
 template <class S>
-std::vector<Complex<S>> product(const System<S>& system, std::span<const Kinks> kinks, std::span<const Freq<S>> f) {
-  constexpr std::size_t kFew = 32;  // frequencies that cost less than a series
+struct GivenOtf {
+  std::size_t entry = 0;
+  std::vector<Complex<S>> h{};  ///< none: it is not
+};
+
+template <class S>
+std::vector<Complex<S>> product(const System<S>& system, std::span<const Kinks> kinks, std::span<const Freq<S>> f,
+                                const GivenOtf<S>& given = {}) {
   std::vector<Complex<S>> h(f.size(), {S(1), S(0)}), mean(f.size());
   const std::optional<Ray<S>> ray = f.empty() ? std::nullopt : common_ray(f);
   const mtf::Context<S> middle = system.context();
   for (std::size_t stage = 0; stage < mtf::kStages.size(); ++stage) {
     std::vector<const Component<S>*> chromatic;
     for (const auto& entry : system.list(mtf::kStages[stage]))
-      if (system.band && entry.component.traits(middle).chromatic)
+      if (!given.h.empty() && &entry == &system.list(Stage::presample)[given.entry])
+        for (std::size_t i = 0; i < f.size(); ++i) h[i] = h[i] * given.h[i];
+      else if (system.band && entry.component.traits(middle).chromatic)
         chromatic.push_back(&entry.component);
       else if (entry.component.is_slow() && ray && f.size() > kFew)
-        multiply_by_series<S>(entry.component, middle, *ray, h);
+        multiply_by_series<S>([&](auto& at, auto& otf) { entry.component.multiply(at, middle, otf); },
+                              entry.component.cutoff_cy_mm(middle), entry.component.kinks_cy_mm(middle), *ray, h);
       else
         entry.component.multiply(f, middle, h);
     if (chromatic.empty() || f.empty()) continue;
@@ -168,6 +189,78 @@ std::vector<Complex<S>> product(const System<S>& system, std::span<const Kinks> 
     for (std::size_t i = 0; i < f.size(); ++i) h[i] = h[i] * mean[i];
   }
   return h;
+}
+
+// An aberrated pupil takes the same sums for its OTF and for all derivatives, whatever chunk of four parameters they
+// are of: evaluated once, as a Jet of several chunks.
+
+constexpr std::size_t kChunks = 4;
+using WideJet = ceres::Jet<double, static_cast<int>(kStride* kChunks)>;
+
+void add_lanes(const Jet4& from, std::size_t chunk, WideJet& to) {
+  to.v.segment<kStride>(static_cast<Eigen::Index>(kStride * chunk)) = from.v;
+}
+void add_lanes(const std::optional<Jet4>& from, std::size_t chunk, std::optional<WideJet>& to) {
+  if (from) add_lanes(*from, chunk, *to);
+}
+
+/// Of the pupil `entry` in the systems of some chunks, at the frequencies f[chunk].
+std::vector<GivenOtf<Jet4>> pupil_of_chunks(std::span<const System<Jet4>* const> systems, std::size_t entry,
+                                            std::span<const std::vector<Freq<Jet4>>> f) {
+  std::vector<GivenOtf<Jet4>> all(systems.size(), {entry, {}});
+  const System<Jet4>& first = *systems.front();
+  mtf::Wavefront<WideJet> pupil;
+  const auto wide_fields = mtf::detail::field_refs<mtf::Wavefront<WideJet>, WideJet>(pupil);
+  mtf::Context<WideJet> context{mtf::detail::cast_frame<WideJet>(first.frame),
+                                mtf::detail::cast_optics<WideJet>(first.optics),
+                                mtf::detail::cast_value<WideJet>(first.context().wavelength_um)};
+  std::vector<Freq<WideJet>> at(f.front().size());
+  for (std::size_t i = 0; i < at.size(); ++i) at[i] = {WideJet(f.front()[i].x.a), WideJet(f.front()[i].y.a)};
+  for (std::size_t c = 0; c < systems.size(); ++c) {
+    const mtf::Context<Jet4> own = systems[c]->context();
+    const Component<Jet4>& component = systems[c]->list(Stage::presample)[entry].component;
+    const std::vector<mtf::FieldRef<Jet4>> fields = component.fields();
+    if (c == 0) mtf::detail::cast_fields<WideJet, Jet4>(fields, wide_fields);
+    for (std::size_t k = 0; k < fields.size(); ++k) {
+      const bool list = std::holds_alternative<mtf::Coefficients<Jet4>*>(fields[k].value);
+      for (std::size_t e = 0; e == 0 || list; ++e) {
+        const Jet4* const number = mtf::detail::number_of(fields[k], e);
+        if (number == nullptr) break;
+        add_lanes(*number, c, *mtf::detail::number_of(wide_fields[k], e));
+      }
+    }
+    add_lanes(own.frame.focal_length_mm, c, context.frame.focal_length_mm);
+    add_lanes(own.optics.f_number, c, context.optics.f_number);
+    add_lanes(own.optics.aperture_mm, c, context.optics.aperture_mm);
+    add_lanes(own.optics.obscuration, c, context.optics.obscuration);
+    add_lanes(own.wavelength_um, c, context.wavelength_um);
+    for (std::size_t i = 0; i < at.size(); ++i) add_lanes(f[c][i].x, c, at[i].x), add_lanes(f[c][i].y, c, at[i].y);
+  }
+  const std::optional<Ray<WideJet>> ray = at.size() > kFew ? common_ray<WideJet>(at) : std::nullopt;
+  std::vector<Complex<WideJet>> h(at.size(), {WideJet(1.0), WideJet(0.0)});
+  const auto multiply = [&](const std::vector<Freq<WideJet>>& some, std::vector<Complex<WideJet>>& otf) {
+    for (std::size_t i = 0; i < some.size(); ++i) otf[i] = otf[i] * pupil.otf(some[i], context);
+  };
+  if (ray)
+    multiply_by_series<WideJet>(multiply, pupil.cutoff_cy_mm(context), pupil.kinks_cy_mm(context), *ray, h);
+  else
+    multiply(at, h);
+  for (std::size_t c = 0; c < all.size(); ++c)
+    for (const Complex<WideJet>& wide : h) {
+      const auto lane = static_cast<Eigen::Index>(kStride * c);
+      Complex<Jet4>& narrow = all[c].h.emplace_back(Complex<Jet4>{Jet4(wide.re.a), Jet4(wide.im.a)});
+      narrow.re.v = wide.re.v.segment<kStride>(lane), narrow.im.v = wide.im.v.segment<kStride>(lane);
+    }
+  return all;
+}
+
+/// The presample entry whose OTF chunks are to share, of systems at one wavelength.
+std::optional<std::size_t> shared_pupil(const System<double>& system) {
+  const auto& list = system.list(Stage::presample);
+  const auto found = std::ranges::find_if(
+      list, [](const auto& entry) { return entry.component.template get_if<mtf::Wavefront<double>>() != nullptr; });
+  if (system.band || found == list.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - list.begin());
 }
 
 template <class S>
@@ -299,32 +392,44 @@ std::vector<System<double>> Sensors::seen_at(std::size_t place) const {
 OtfTable Sensors::otf(std::size_t place, std::span<const PixelFreq> f, const mtf::Unit* unit) const {
   const std::size_t n = f.size();
   OtfTable table(count_ + 2, std::vector<Complex<double>>(n));
-  std::vector<Freq<Jet4>> at(n + 1);
   const Place& here = places_[place];
   const std::vector<Seeded>& seeded = jets_[here.condition];
   const std::vector<Kinks> kinks = kinks_of(seen_at(place).front());
-  for (std::size_t chunk = 0; chunk < seeded.size(); ++chunk) {
-    const std::size_t first = chunk * kStride, last = std::min(first + kStride, count_ + 1);
-    const std::vector<System<Jet4>> systems = seen_from(here, seeded[chunk].system);
-    const double share = 1.0 / static_cast<double>(systems.size());
-    for (const System<Jet4>& system : systems) {
-      at[0] = {Jet4(0.0), Jet4(0.0)};  // frequency 0
-      for (std::size_t i = 0; i < n; ++i) {
-        Jet4 x(f[i].x), y(f[i].y);
-        if (last == count_ + 1) {
-          x.v[static_cast<Eigen::Index>(count_ - first)] = f[i].dx;
-          y.v[static_cast<Eigen::Index>(count_ - first)] = f[i].dy;
+  const std::optional<std::size_t> pupil = seeded.size() > 1 ? shared_pupil(systems_[here.condition]) : std::nullopt;
+  for (std::size_t begin = 0; begin < seeded.size(); begin += kChunks) {
+    const std::size_t chunks = std::min(kChunks, seeded.size() - begin);
+    std::vector<std::vector<System<Jet4>>> systems;  // of each chunk, from each point
+    for (std::size_t c = 0; c < chunks; ++c) systems.push_back(seen_from(here, seeded[begin + c].system));
+    const double share = 1.0 / static_cast<double>(systems.front().size());
+    for (std::size_t point = 0; point < systems.front().size(); ++point) {
+      std::vector<const System<Jet4>*> seen;
+      std::vector<std::vector<Freq<Jet4>>> at(chunks);
+      for (std::size_t c = 0; c < chunks; ++c) {
+        seen.push_back(&systems[c][point]);
+        at[c].push_back({Jet4(0.0), Jet4(0.0)});  // frequency 0
+        const std::size_t lane = count_ - std::min(count_, (begin + c) * kStride);
+        for (const PixelFreq& one : f) {
+          Jet4 x(one.x), y(one.y);
+          if (begin + c + 1 == seeded.size()) {
+            x.v[static_cast<Eigen::Index>(lane)] = one.dx;
+            y.v[static_cast<Eigen::Index>(lane)] = one.dy;
+          }
+          at[c].push_back(to_focal_plane(seen[c]->frame, x, y, unit));
         }
-        at[i + 1] = to_focal_plane(system.frame, x, y, unit);
       }
-      const std::vector<Complex<Jet4>> h = product<Jet4>(system, kinks, at);
-      for (std::size_t i = 0; i < n; ++i) {
-        const Jet4 re = share * (h[i + 1].re / h[0].re), im = share * (h[i + 1].im / h[0].re);
-        const auto add = [](Complex<double>& sum, double a, double b) { sum = {sum.re + a, sum.im + b}; };
-        if (chunk == 0) add(table[0][i], re.a, im.a);
-        for (std::size_t k = first; k < last; ++k) {
-          const auto lane = static_cast<Eigen::Index>(k - first);
-          add(table[k + 1][i], re.v[lane], im.v[lane]);
+      const std::vector<GivenOtf<Jet4>> given =
+          pupil ? pupil_of_chunks(seen, *pupil, at) : std::vector<GivenOtf<Jet4>>(chunks);
+      for (std::size_t c = 0; c < chunks; ++c) {
+        const std::size_t first = (begin + c) * kStride, last = std::min(first + kStride, count_ + 1);
+        const std::vector<Complex<Jet4>> h = product<Jet4>(*seen[c], kinks, at[c], given[c]);
+        for (std::size_t i = 0; i < n; ++i) {
+          const Jet4 re = share * (h[i + 1].re / h[0].re), im = share * (h[i + 1].im / h[0].re);
+          const auto add = [](Complex<double>& sum, double a, double b) { sum = {sum.re + a, sum.im + b}; };
+          if (first == 0) add(table[0][i], re.a, im.a);
+          for (std::size_t k = first; k < last; ++k) {
+            const auto lane = static_cast<Eigen::Index>(k - first);
+            add(table[k + 1][i], re.v[lane], im.v[lane]);
+          }
         }
       }
     }

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "mtf/error.h"
+#include "mtf/parallel.h"
 
 namespace calib {
 namespace {
@@ -20,11 +21,16 @@ struct Response {
   std::vector<double> h, slope;
 };
 
-Response response(const Sensors& sensors, std::span<const Probe> probes, std::size_t i) {
+Response response(const Sensors& sensors, std::span<const Probe> probes, std::size_t i, int threads) {
+  std::vector<OtfTable> tables(probes.size());
+  mtf::parallel_for(std::ssize(probes), 1, threads, [&](std::int64_t first, std::int64_t last) {
+    for (auto p = static_cast<std::size_t>(first); p < static_cast<std::size_t>(last); ++p)
+      tables[p] = sensors.otf(probes[p].place, probes[p].f, probes[p].unit);
+  });
   Response all;
-  for (const Probe& probe : probes) {
-    const OtfTable table = sensors.otf(probe.place, probe.f, probe.unit);
-    for (std::size_t k = 0; k < probe.f.size(); ++k)
+  for (std::size_t p = 0; p < probes.size(); ++p) {
+    const OtfTable& table = tables[p];
+    for (std::size_t k = 0; k < probes[p].f.size(); ++k)
       for (const auto part : {&mtf::Complex<double>::re, &mtf::Complex<double>::im}) {
         all.h.push_back(table[0][k].*part);
         all.slope.push_back(table[i + 1][k].*part);
@@ -49,12 +55,13 @@ struct Prober {
   Sensors& sensors;
   std::span<const Probe> probes;
   std::span<const double> start;
+  int threads = 0;
 
   Response at(std::size_t i, double value) const {
     std::vector<double> values(start.begin(), start.end());
     values[i] = value;
     sensors.set(values);
-    return response(sensors, probes, i);
+    return response(sensors, probes, i, threads);
   }
 };
 
@@ -132,8 +139,8 @@ double Variable::x_of(double value) const {
 
 std::vector<Variable> make_variables(Sensors& sensors, std::span<const FitParameter> parameters,
                                      std::span<const double> start, std::span<const mtf::FieldInfo> infos,
-                                     std::span<const Probe> probes) {
-  const Prober prober{sensors, probes, start};
+                                     std::span<const Probe> probes, int threads) {
+  const Prober prober{sensors, probes, start, threads};
   for (std::size_t i = 0; i < parameters.size(); ++i) check_numbers(parameters[i], infos[i], start[i]);
   const std::vector<double> acting = acting_values(prober, infos);
   std::vector<Variable> all;
@@ -153,7 +160,7 @@ std::vector<Variable> make_variables(Sensors& sensors, std::span<const FitParame
     const bool signs_differ = lo < 0.0 && hi > 0.0 && parameters[i].prior && (*parameters[i].prior)[0] != 0.0;
     v.direction = is_direction(info);
     const bool may_be_square = reaches_zero && !signs_differ && !v.direction;
-    const double small = may_be_square ? square_at({sensors, probes, acting}, i, info) : 0.0;
+    const double small = may_be_square ? square_at({sensors, probes, acting, threads}, i, info) : 0.0;
     v.squared = small > 0.0 && (info.lo >= 0.0 || (lo <= 0.0 && hi >= 0.0) || lo > 0.0);
     if (v.squared) {
       v.sign = -lo > hi || (-lo == hi && value < 0.0) ? -1.0 : 1.0;
@@ -191,10 +198,10 @@ std::vector<Variable> make_variables(Sensors& sensors, std::span<const FitParame
 }
 
 std::vector<double> seen_values(Sensors& sensors, std::span<const Variable> variables, std::span<const double> start,
-                                std::span<const Probe> probes) {
+                                std::span<const Probe> probes, int threads) {
   constexpr double kUnseen = 0.1;  // of a unit effect, for a change by the parameter's own size
   constexpr double kBlurred = 0.02, kLeast = 1e-12;
-  const Prober prober{sensors, probes, start};
+  const Prober prober{sensors, probes, start, threads};
   std::vector<double> values(start.begin(), start.end());
   for (std::size_t i = 0; i < variables.size(); ++i) {
     const Variable& v = variables[i];

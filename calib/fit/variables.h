@@ -52,13 +52,13 @@ struct Probe {
 /// bounds that leave no value, priors without a width, numbers that are not finite.
 std::vector<Variable> make_variables(Sensors& sensors, std::span<const FitParameter> parameters,
                                      std::span<const double> start, std::span<const mtf::FieldInfo> infos,
-                                     std::span<const Probe> probes);
+                                     std::span<const Probe> probes, int threads);
 
 /// Where a size is so large that more of it changes nothing, the minimiser has no gradient to follow: such a starting
 /// value is divided by 4, 16, ... until it acts. Others are returned unchanged. `variables`: made at `start`. Leaves
 /// the sensors at any values.
 std::vector<double> seen_values(Sensors& sensors, std::span<const Variable> variables, std::span<const double> start,
-                                std::span<const Probe> probes);
+                                std::span<const Probe> probes, int threads);
 
 /// Values of the parameters at x.
 std::vector<double> values_at(std::span<const Variable> variables, std::span<const double> x);

@@ -60,8 +60,8 @@ template <>
 inline constexpr FieldType kTypeOf<Choice> = FieldType::word;
 template <>
 inline constexpr FieldType kTypeOf<std::string> = FieldType::file;
-template <>
-inline constexpr FieldType kTypeOf<std::shared_ptr<const Curve>> = FieldType::file;
+template <class S>
+inline constexpr FieldType kTypeOf<CurveSum<S>> = FieldType::file;
 
 template <class Value>
 constexpr std::span<const std::string_view> words_of(const Value*) {

@@ -41,8 +41,8 @@ std::vector<FieldRef<S>> field_refs(C& component) {
       table);
 }
 
-/// The number that a field holds: the element of a list, of rows one after the other; of a pair along the axes the
-/// part, 0 x or both, 1 y. Null where there is none.
+/// The number that a field holds: the element of a list, of rows one after the other; the weight of a curve; of a pair
+/// along the axes the part, 0 x or both, 1 y. Null where there is none.
 template <class S>
 S* number_of(const FieldRef<S>& field, std::size_t element) {
   if (auto* const* number = std::get_if<S*>(&field.value)) return *number;
@@ -57,6 +57,8 @@ S* number_of(const FieldRef<S>& field, std::size_t element) {
     const std::size_t columns = (*rows)->empty() ? 0 : (*rows)->front().size();
     return element < (*rows)->size() * columns ? &(**rows)[element / columns][element % columns] : nullptr;
   }
+  if (auto* const* sum = std::get_if<CurveSum<S>*>(&field.value))
+    return element < (*sum)->weight.size() ? &(*sum)->weight[element] : nullptr;
   return nullptr;
 }
 
@@ -131,9 +133,12 @@ template <class To>
 Choice cast_value(const Choice& from) {
   return from;
 }
-template <class To>
-std::shared_ptr<const Curve> cast_value(const std::shared_ptr<const Curve>& from) {
-  return from;
+template <class To, class From>
+CurveSum<To> cast_value(const CurveSum<From>& from) {
+  CurveSum<To> to;
+  to.curves = from.curves;
+  to.weight = cast_value<To>(from.weight);
+  return to;
 }
 
 /// `from` and `to` are the fields of components of one kind.

@@ -7,11 +7,12 @@
 // travel = path at the focal plane, given, or velocity x integration time; a = direction from +x (right) to +y (down).
 // flow is that of a sensor that approaches or zooms, turns about its optical axis, and moves: (x, y) = place of the
 // pixel from the optical axis on the focal plane; zoom = share by which the image grows, rotation = angle by which it
-// turns, from +x to +y, both small against 1; shift = path on the axis. Real and signed: contrast reverses between the
-// zeros at d . f = 1, 2, ... Even in d; separable only along an axis. Valid while velocity and exposure are constant
-// over the integration time. (Boreman, Modulation Transfer Function in Optical and Electro-Optical Systems, ch. 6;
-// Kopeika, A System Engineering Approach to Imaging, ch. 14; Longuet-Higgins and Prazdny, Proc. R. Soc. Lond. B 208,
-// 385 (1980): fields of image motion.)
+// turns, from +x to +y, both small against 1; shift = path on the axis, or at each place by an image of the detector,
+// displacements = "flow.exr" (mtf/README.md). Real and signed: contrast reverses between the zeros at d . f = 1, 2, ...
+// Even in d; separable only along an axis. Valid while velocity and exposure are constant over the integration time.
+// (Boreman, Modulation Transfer Function in Optical and Electro-Optical Systems, ch. 6; Kopeika, A System Engineering
+// Approach to Imaging, ch. 14; Longuet-Higgins and Prazdny, Proc. R. Soc. Lond. B 208, 385 (1980): fields of image
+// motion.)
 
 #include "mtf/components/field.h"
 

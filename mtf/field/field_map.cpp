@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "mtf/error.h"
+#include "mtf/math/barycentric.h"
 #include "mtf/words.h"
 
 namespace mtf {
@@ -125,6 +126,76 @@ std::string FieldMap::outside_text(const FieldPoint<double>& place) const {
                    " and y = " + range(&FieldPoint<double>::y) + std::string(of) + ", and the image has (" +
                    shown(place.x) + ", " + shown(place.y) + ")";
   return source + " covers " + text + "; add positions out to there";
+}
+
+void FieldMap::require_shape_of(int detector_columns, int detector_rows) const {
+  if (static_cast<std::int64_t>(columns) * detector_rows == static_cast<std::int64_t>(rows) * detector_columns) return;
+  const auto size = [](int width, int height) { return std::to_string(width) + " x " + std::to_string(height); };
+  throw UsageError(source + " has " + size(columns, rows) + " samples, which is not the shape of frame.format, " +
+                   size(detector_columns, detector_rows) + "; give a value for each pixel, or for blocks of them");
+}
+
+std::shared_ptr<const FieldMap> make_field_image(FieldMap map) {
+  map.unit = FieldUnit::pixel;
+  const auto width = static_cast<std::size_t>(map.columns), height = static_cast<std::size_t>(map.rows);
+  for (FieldMap::Column& column : map.column) {
+    double squares = 0.0, most = 0.0;
+    std::size_t count = 0;
+    const auto leave_out = [&](std::size_t step, std::size_t i, std::size_t n, std::size_t at) {
+      if (i < 3 || i + 3 >= n) return;  // the cubic through the four at odd distances
+      const auto v = [&](std::size_t k) { return column.value[at + k * step - 3 * step]; };
+      const double by = std::abs(v(3) - (9.0 * (v(2) + v(4)) - v(0) - v(6)) / 16.0);
+      squares += by * by, most = std::max(most, by), ++count;
+    };
+    for (std::size_t y = 0; y < height; ++y)
+      for (std::size_t x = 0; x < width; ++x)
+        leave_out(1, x, width, y * width + x), leave_out(width, y, height, y * width + x);
+    if (count > 0) column.missed = {std::sqrt(squares / static_cast<double>(count)), most};
+  }
+  return std::make_shared<const FieldMap>(std::move(map));
+}
+
+std::array<double, 2> hardest_place(const FieldMap& image, std::size_t column, std::size_t n,
+                                    const FieldPoint<double>& low, const FieldPoint<double>& high) {
+  const Barycentric points = Barycentric::with_ends(n);
+  const auto at = [](double lo, double hi, double t) { return 0.5 * ((1.0 - t) * lo + (1.0 + t) * hi); };
+  const auto m = static_cast<Index>(n);
+  MatrixXd value(m, m);
+  for (Index j = 0; j < m; ++j)
+    for (Index i = 0; i < m; ++i) {
+      const FieldPoint<double> u{at(low.x, high.x, points.x[static_cast<std::size_t>(i)]),
+                                 at(low.y, high.y, points.x[static_cast<std::size_t>(j)])};
+      value(j, i) = image.of_image(column, u, u.x, u.y);
+    }
+  // Of each sample along an axis that lies in the box, its place there and the weights of the points.
+  const auto weights = [&](double lo, double hi, int count) {
+    std::pair<std::vector<int>, MatrixXd> all;
+    for (int i = 0; i < count; ++i)
+      if (i + 0.5 >= lo && i + 0.5 <= hi) all.first.push_back(i);
+    all.second.resize(m, std::ssize(all.first));
+    for (Index k = 0; k < all.second.cols(); ++k)
+      points.weights_at(2.0 * (all.first[static_cast<std::size_t>(k)] + 0.5 - lo) / (hi - lo) - 1.0,
+                        all.second.col(k).data());
+    return all;
+  };
+  const auto [x, by_x] = weights(low.x, high.x, image.columns);
+  const auto [y, by_y] = weights(low.y, high.y, image.rows);
+  const MatrixXd along = value * by_x;
+  std::array<double, 2> place{};
+  double most = -1.0;
+  for (std::size_t j = 0; j < y.size(); ++j) {
+    const Eigen::RowVectorXd row = by_y.col(static_cast<Index>(j)).transpose() * along;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const auto sample = static_cast<std::size_t>(y[j]) * static_cast<std::size_t>(image.columns);
+      const double by =
+          std::abs(row[static_cast<Index>(i)] - image.column[column].value[sample + static_cast<std::size_t>(x[i])]);
+      if (by <= most) continue;
+      most = by;
+      place = {2.0 * (x[i] + 0.5 - low.x) / (high.x - low.x) - 1.0,
+               2.0 * (y[j] + 0.5 - low.y) / (high.y - low.y) - 1.0};
+    }
+  }
+  return place;
 }
 
 std::shared_ptr<const FieldMap> make_field_map(FieldMap map) {

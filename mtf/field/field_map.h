@@ -6,7 +6,8 @@
 // for polynomials of the degree that they determine: fields of third order (coma in r, astigmatism and curvature in
 // r^2) are met by few positions. What lies between them is a guess all the same: the interpolant that lacks one of them
 // is compared with the value there, for each in turn (Rippa, Adv. Comput. Math. 11, 193 (1999)); the ends of distances,
-// to which the others could only be continued, are not left out.
+// to which the others could only be continued, are not left out. Of an image so are samples between their neighbours
+// along rows and columns.
 
 #include "mtf/field_terms.h"
 
@@ -21,5 +22,14 @@ std::shared_ptr<const FieldMap> make_field_map(FieldMap given);
 /// Throws UsageError where positions are too few or too many, two alike, or distances do not begin on the axis; as
 /// make_field_map() does.
 void require_positions(const FieldMap& map);
+
+/// The same through an image over the detector, of source, columns, rows and column as given; each has two samples at
+/// least along both axes, all finite.
+std::shared_ptr<const FieldMap> make_field_image(FieldMap given);
+
+/// Of an image, where in a box the polynomial through n Chebyshev points along each axis misses a column most: x and y
+/// from -1 to 1 over the box, whose corners are in samples from the corner of the image.
+std::array<double, 2> hardest_place(const FieldMap& image, std::size_t column, std::size_t n,
+                                    const FieldPoint<double>& low, const FieldPoint<double>& high);
 
 }  // namespace mtf

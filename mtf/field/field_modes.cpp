@@ -11,6 +11,7 @@
 #include "mtf/engines/kernels.h"
 #include "mtf/error.h"
 #include "mtf/field/chebyshev.h"
+#include "mtf/field/field_map.h"
 #include "mtf/field/field_tables.h"
 #include "mtf/field/radial_weights.h"
 #include "mtf/math/special.h"
@@ -342,6 +343,17 @@ FieldModes::FieldModes(const System<double>& given, const SampleGrid& in, const 
       const double tx = x_.place_of(kink * cos_pi(a)), ty = y_.place_of(kink * sin_pi(a));
       if (std::abs(tx) <= 1.0 && std::abs(ty) <= 1.0) probes_.push_back({tx, ty});
     }
+  // Where images of numbers are far from smooth.
+  for (const FieldNumber<double>& number : system.field.numbers) {
+    if (!number.map || !number.map->is_image() || x_.count < 2 || y_.count < 2) continue;
+    const auto corner = [&](double t) {  // in samples
+      const double x = x_.at(t) * radius / frame.pitch_x_um + system.field.axis_x_px + 0.5 * frame.columns,
+                   y = y_.at(t) * radius / frame.pitch_y_um + system.field.axis_y_px + 0.5 * frame.rows;
+      return FieldPoint<double>{x * number.map->columns / frame.columns, y * number.map->rows / frame.rows};
+    };
+    for (const std::size_t n : points)
+      probes_.push_back(hardest_place(*number.map, number.column, n, corner(-1.0), corner(1.0)));
+  }
   if (tables.is_parted())  // between the nodes of a grid there may be no pixels
     for (auto& [tx, ty] : probes_) tx = x_.place(std::round(x_.pixel(tx))), ty = y_.place(std::round(y_.pixel(ty)));
   for (const std::size_t n : points)

@@ -39,6 +39,10 @@ inline bool same_bits(const Taps<double>& a, const Taps<double>& b) {
 inline bool same_bits(const std::shared_ptr<const Curve>& a, const std::shared_ptr<const Curve>& b) {
   return a == b || (a && b && a->frequency == b->frequency && a->value == b->value && a->unit == b->unit);
 }
+inline bool same_bits(const CurveSum<double>& a, const CurveSum<double>& b) {
+  return std::ranges::equal(a.curves, b.curves, [](const auto& x, const auto& y) { return same_bits(x, y); }) &&
+         same_bits(a.weight, b.weight);
+}
 
 /// True when two fields of one row have the same value.
 bool same_value(const FieldRef<double>& a, const FieldRef<double>& b);

@@ -136,7 +136,7 @@ TEST(Curve, component_reads_its_own_unit_and_axis) {
   s.frame.pitch_y_um = 30.0;
   auto c = Component<double>::make("curve");
   const auto use = [&](const char* unit, int axis) {
-    *std::get<std::shared_ptr<const Curve>*>(field(c, "file").value) =
+    *std::get<CurveSum<double>*>(field(c, "file").value) =
         std::make_shared<const Curve>(make_curve("lens.csv", *find_unit(unit), {0, 1}, {1, 0}));
     choose(c, "axis", axis);
   };
@@ -152,7 +152,7 @@ TEST(Curve, component_reads_its_own_unit_and_axis) {
   EXPECT_FALSE(c.traits(s.context()).radial);  // elliptic over these pixels
   EXPECT_NEAR(at(20.0, 0.0), 0.7, 1e-15);
   EXPECT_NEAR(c.cutoff_cy_mm(s.context()), 1e3 / 15.0, 1e-9);  // along the shorter side
-  *std::get<std::shared_ptr<const Curve>*>(field(c, "file").value) =
+  *std::get<CurveSum<double>*>(field(c, "file").value) =
       std::make_shared<const Curve>(make({0, 10, 20}, {1, -1.01, 0}));
   EXPECT_TRUE(c.traits(s.context()).gain);
 }

@@ -5,8 +5,11 @@
 #include <random>
 #include <set>
 
+#include "mtf/components/field_access.h"
+#include "mtf/components/linear_motion.h"
 #include "mtf/components/pupil/cut_pupil.h"
 #include "mtf/engines/fft/scene_spectrum.h"
+#include "mtf/field/field_map.h"
 #include "mtf/field/field_modes.h"
 #include "mtf/field/throughput.h"
 #include "mtf/plan/sensor_plan.h"
@@ -315,6 +318,63 @@ TEST(Field, TheToleranceOfARefusalIsAccepted) {
   }
 }
 
+/// A flow by an image of the displacement along x and y at each pixel.
+System<double> flowing(int columns, int rows, const std::function<std::array<double, 2>(int x, int y)>& displacement) {
+  System<double> s = bare(15.0, 15.0);
+  s.frame.columns = columns, s.frame.rows = rows;
+  Flow<double> flow;
+  flow.shift = {{0.0, find_unit("px")}, {0.0, find_unit("px")}, true};
+  s.add(Stage::presample, flow);
+  s.add(Stage::presample, footprint(15.0));
+  FieldMap image;
+  image.columns = columns, image.rows = rows, image.column.resize(2);
+  for (int y = 0; y < rows; ++y)
+    for (int x = 0; x < columns; ++x)
+      for (std::size_t i = 0; i < 2; ++i) image.column[i].value.push_back(displacement(x, y)[i]);
+  const auto map = make_field_image(std::move(image));
+  for (std::size_t i = 0; i < 2; ++i) {
+    s.field.numbers.push_back({0, 2, i, {}, map, i});
+    *detail::number_of(s.list(Stage::presample)[0].component.fields()[2], i) = s.mapped(s.field.numbers.back(), {});
+  }
+  return s;
+}
+
+TEST(Field, DisplacementsByAnImage) {
+  const System<double> s = flowing(14, 10, [](int x, int y) {
+    return std::array{1.2 * std::cos(0.25 * x) + 0.05 * y, 0.8 * std::sin(0.3 * y + 0.1 * x)};
+  });
+  EXPECT_EQ(s.at(s.field_point(3.5, 7.5)).list(Stage::presample)[0].component.get_if<Flow<double>>()->shift.y.value,
+            0.8 * std::sin(0.3 * 7 + 0.1 * 3));
+  const Image scene = random_image(28, 20, 6);
+  const SampleGrid in = scene_grid(s, 28, 20, 2, 2), out{14, 10, 15.0, 15.0};
+  for (const double tolerance : {3e-2, 5e-3}) {
+    const PlanOptions options = options_for(scene, Border::reflect, tolerance);
+    const Plan plan = compile(s, in, out, options);
+    EXPECT_EQ(plan.report().method, "field_modes");
+    const double realised =
+        rms_distance(run(plan, scene), reference_over_field(s, scene, in, out, Border::reflect, 0.0));
+    EXPECT_LE(realised, plan.report().predicted.total() * options.scene->std);
+    EXPECT_GT(realised, 0.0);
+  }
+}
+
+// One pixel that moves on its own, where no place between the points is looked at: no polynomial follows it.
+TEST(Field, JumpsOfDisplacementsAreSeen) {
+  for (const bool alone : {false, true}) {
+    const System<double> s = flowing(64, 48, [&](int x, int y) {
+      return std::array{1.0 + 0.01 * x + (alone && x == 37 && y == 22 ? 1.5 : 0.0), 0.5};
+    });
+    const Image scene = random_image(64, 48, 3);
+    const SampleGrid in = scene_grid(s, 64, 48, 1, 1), out{64, 48, 15.0, 15.0};
+    const PlanOptions options = options_for(scene, Border::reflect, 1e-2);
+    const auto planned = [&] { static_cast<void>(compile(s, in, out, options)); };
+    if (alone)
+      expect_refused<UnreachableTolerance>({"over the field"}, planned);
+    else
+      EXPECT_NO_THROW(planned());
+  }
+}
+
 TEST(Field, ValuesAreCheckedWhereThePixelsAre) {
   System<double> s = bare(15.0, 15.0);
   s.add(Stage::presample, footprint(10.0));
@@ -387,7 +447,7 @@ void keeps_its_promise(unsigned seed, bool in_tiles = false) {
     return;
   } catch (const UsageError& refused) {
     if (!in_tiles) throw;
-    EXPECT_NE(std::string(refused.what()).find("field_tiles: "), std::string::npos);
+    EXPECT_NE(std::string(refused.what()).find("field_tiles"), std::string::npos);
     std::printf("seed %u, tolerance %.1e, %s\n", seed, options.tolerance, refused.what());
     return;
   }
@@ -445,10 +505,15 @@ TEST(FieldLong, CutPupilsKeepThePromise) {
   cut_pupils_keep_the_promise(24, 18, 2e-2, 17, 0.3);
 }
 
-TEST(FieldLong, PromiseAtRandom) {
-  for (const bool in_tiles : {false, true})
-    for (unsigned seed = 11; seed <= 210; ++seed) keeps_its_promise(seed, in_tiles);
+/// Of so many seeds, modes of the image and modes of tiles.
+constexpr unsigned kSeedsOfACase = 25;
+class FieldPromiseLong : public testing::TestWithParam<unsigned> {};
+TEST_P(FieldPromiseLong, AtRandom) {
+  for (unsigned seed = GetParam(); seed < GetParam() + kSeedsOfACase; ++seed)
+    for (const bool in_tiles : {false, true}) keeps_its_promise(seed, in_tiles);
 }
+// With those of the suite 2,700 random cases.
+INSTANTIATE_TEST_SUITE_P(Seeds, FieldPromiseLong, testing::Range(11U, 11U + 54 * kSeedsOfACase, kSeedsOfACase));
 
 }  // namespace
 }  // namespace mtf::test

@@ -124,7 +124,7 @@ TEST(PlanExtremes, tiny_and_huge_sample_steps) {
     auto lens =
         std::make_shared<const Curve>(make_curve("lens.csv", *find_unit("cy/px"), {0.1, 0.5, 1.5}, {0.9, 0.5, 0}));
     auto table = Component<double>::make("curve");
-    *std::get<std::shared_ptr<const Curve>*>(field(table, "file").value) = lens;
+    *std::get<CurveSum<double>*>(field(table, "file").value) = lens;
     choose(table, "axis", 1);
     system.add(Stage::presample, table);
     const SampleGrid in = scene_grid(system, 30, 24, 2.0, 3.0);
@@ -140,7 +140,7 @@ TEST(PlanExtremes, radial_table_at_extreme_pitches) {
   for (const double unit : {1e-6, 1e4}) {
     System<double> system = bare(15.0 * unit, 15.0 * unit);
     auto table = Component<double>::make("curve");
-    *std::get<std::shared_ptr<const Curve>*>(field(table, "file").value) =
+    *std::get<CurveSum<double>*>(field(table, "file").value) =
         std::make_shared<const Curve>(make_curve("lens.csv", *find_unit("cy/px"), {0.1, 0.5, 1.5}, {0.9, 0.5, 0.0}));
     system.add(Stage::presample, table);
     const Image scene = random_image(16, 12, 12, 1.0);

@@ -204,7 +204,7 @@ TEST(Resolution, StrehlIsThatOfTheOpticsAlone) {
   System<double> system = empty_system();  // optics to 50 cy/mm
   system.add(Stage::presample, Component<double>::make("diffraction"));
   auto curve = Component<double>::make("curve");
-  *std::get<std::shared_ptr<const Curve>*>(field(curve, "file").value) =
+  *std::get<CurveSum<double>*>(field(curve, "file").value) =
       std::make_shared<const Curve>(make_curve("pixel.csv", *find_unit("cy/mm"), {0.0, 10.0, 20.0}, {1.0, 0.6, 0.0}));
   choose(curve, "part", static_cast<int>(SensorPart::detector));
   system.add(Stage::presample, curve);

@@ -248,7 +248,7 @@ TEST(SystemCast, to_float_and_back) {
   s.optics.obscuration = 0.25;
   s.frame.columns = 640;
   auto curve = Component<double>::make("curve");
-  *std::get<std::shared_ptr<const Curve>*>(field(curve, "file").value) =
+  *std::get<CurveSum<double>*>(field(curve, "file").value) =
       std::make_shared<const Curve>(make_curve("lens.csv", *find_unit("cy/mrad"), {0.0, 4.0, 9.0}, {1.0, 0.6, 0.0}));
   choose(curve, "axis", 2);
   s.add(Stage::presample, curve);

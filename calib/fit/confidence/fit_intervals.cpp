@@ -454,10 +454,10 @@ bool leave_flat_points(FitProblem& problem, Solved& solved, std::span<const Flat
   return true;
 }
 
-bool report_squares(FitProblem& problem, const Solved& solved, double cost, const std::function<bool()>& go_on,
-                    FitResult& result) {
+std::vector<BentSquare> report_squares(FitProblem& problem, const Solved& solved, double cost,
+                                       const std::function<bool()>& go_on, FitResult& result) {
   const double factor = noise_factor_of(problem, solved);
-  bool bent = false;
+  std::vector<BentSquare> bent;
   for (std::size_t i = 0; i < result.parameters.size(); ++i) {
     FittedParameter& p = result.parameters[i];
     const Variable& v = problem.variables[i];
@@ -483,20 +483,31 @@ bool report_squares(FitProblem& problem, const Solved& solved, double cost, cons
       p.limit95.reset();
     }
     const double rise = rise_at(problem, i, far, cost, factor * solved.variance_ratio[i], {}, go_on);
-    bent = bent || std::abs(rise - k95_sd) > kLikeNormal * k95_sd;
+    if (const double by = std::abs(rise - k95_sd); by > kLikeNormal * k95_sd) bent.push_back({i, by});
   }
   return bent;
 }
 
-void report_intervals(FitProblem& problem, const Solved& solved, std::span<const FlatPoint> flat, bool judge,
-                      double cost, std::span<const Mirror> mirrors, const std::function<bool()>& go_on,
-                      FitResult& result) {
+void report_intervals(FitProblem& problem, const Solved& solved, std::span<const FlatPoint> flat,
+                      std::span<const BentSquare> bent, bool all, double cost, std::span<const Mirror> mirrors,
+                      const std::function<bool()>& go_on, FitResult& result) {
   const double factor = noise_factor_of(problem, solved);
+  const bool judge = !bent.empty() || !flat.empty();
+  // A parameter goes along with a square by their correlation.
+  const auto is_moved = [&](std::size_t i) {
+    return std::ranges::any_of(bent, [&](const BentSquare& square) {
+      const Eigen::MatrixXd& covariance = solved.identified.covariance;
+      const auto a = static_cast<Eigen::Index>(i), b = static_cast<Eigen::Index>(square.parameter);
+      const double correlation = covariance(a, b) / std::sqrt(covariance(a, a) * covariance(b, b));
+      return std::abs(correlation) * square.by > kLikeNormal * k95_sd;
+    });
+  };
   for (std::size_t i = 0; i < result.parameters.size(); ++i) {
     FittedParameter& p = result.parameters[i];
     const Variable& v = problem.variables[i];
     const FlatPoint* const own = flat_of(i, flat);
     if (p.knowledge == Knowledge::not_determined && own == nullptr && (flat.empty() || v.period > 0.0)) continue;
+    if (!all && flat.empty() && !is_moved(i)) continue;
     const auto index = static_cast<Eigen::Index>(i);
     const double x = problem.x[i], sd = std::sqrt(solved.identified.covariance(index, index));
     const double step = first_step(solved, i, flat), noise = factor * solved.variance_ratio[i];

@@ -117,7 +117,7 @@ std::optional<FlatPoint> flat_point(SomeBlocks& some, std::size_t i) {
     const FlatPoint bound{.parameter = i, .at = low ? v.lo : v.hi, .side = low ? 1.0 : -1.0};
     if (const auto flat = if_flat(information, bound, v.hi - v.lo, x, sd, here)) return flat;
   }
-  for (const double at : centres(information, v, x, sd, some.share == 1.0)) {
+  for (const double at : centres(information, v, x, sd, some.few)) {
     if (!(std::abs(x - at) < kNear_sd * sd)) continue;
     const FlatPoint centre{.parameter = i, .at = at, .side = x < at ? -1.0 : 1.0, .inside = true};
     const double range = v.direction ? kQuarter_deg / v.step : x < at ? at - v.lo : v.hi - at;
@@ -141,7 +141,7 @@ std::vector<FlatPoint> flat_points(const FitProblem& problem, const Solved& solv
 std::vector<double> possible_centres(SomeBlocks& some, std::size_t i) {
   const auto index = static_cast<Eigen::Index>(i);
   return centres(InformationAt(some, i), some.problem.variables[i], some.problem.x[i],
-                 std::sqrt(some.solved.identified.covariance(index, index)), some.share == 1.0);
+                 std::sqrt(some.solved.identified.covariance(index, index)), some.few);
 }
 
 void set_apart(Solved& solved, std::span<const FlatPoint> flat) {

@@ -137,7 +137,7 @@ std::vector<Change> changes(SomeBlocks& some) {
       return std::ranges::any_of(b, [&](const auto& other) { return one.first == other.first; });
     });
   };
-  for (std::size_t i = 0; i < single && some.share == 1.0; ++i)  // many sets of data tell these apart
+  for (std::size_t i = 0; i < single && some.few; ++i)  // many sets of data tell these apart
     for (std::size_t k = 0; k < i; ++k) {
       if (!of_others(all[i], all[k])) continue;
       Change both = all[i];
@@ -152,12 +152,22 @@ std::vector<Change> changes(SomeBlocks& some) {
   return all;
 }
 
-/// Where the changes that promise most lead, by some of the data: minima about as low as the present one.
+/// Where the changes that promise most lead, by some of the data: minima about as low as the present one. Of many sets
+/// of data those where the `simpler` fit of one unknown less has its own, where there is one.
 std::vector<std::vector<double>> places_to_try(const FitProblem& all_data, const Solved& solved,
-                                               const std::function<bool()>& go_on) {
+                                               const FitResult* simpler, const std::function<bool()>& go_on) {
   constexpr double kAsLow = 10.0, kCoarse = 1e-6;  // half of chi-square, of some of the pixels
   SomeBlocks some = some_blocks(all_data, solved);
   FitProblem& problem = some.problem;
+  if (simpler != nullptr && !some.few) {
+    std::vector<std::vector<double>> places;
+    for (const Alternative& one : simpler->alternatives) {
+      std::vector<double>& place = places.emplace_back(problem.x);
+      for (std::size_t k = 0; k < one.parameters.size(); ++k)
+        place[one.parameters[k]] = problem.variables[one.parameters[k]].x_of(one.values[k]);
+    }
+    return places;
+  }
   const FitPoint here = problem.here();
   const std::vector<double> sd = sd_of_x(solved);
   std::vector<std::pair<double, std::vector<double>>> promises;
@@ -273,7 +283,8 @@ bool is_other_sign(const FitProblem& problem, const FitResult& result, const Alt
 }  // namespace
 
 std::vector<Mirror> mirrored_minima(FitProblem& problem, Solved& solved, Solution& solution,
-                                    std::span<const FitParameter> parameters, const MinimiseOptions& options) {
+                                    std::span<const FitParameter> parameters, const MinimiseOptions& options,
+                                    const FitResult* simpler) {
   constexpr double kLower = 0.005;  // half of chi-square
   constexpr int kMostLower = 3;
   for (int lower = 0; lower < kMostLower; ++lower) {
@@ -281,7 +292,7 @@ std::vector<Mirror> mirrored_minima(FitProblem& problem, Solved& solved, Solutio
     const FitPoint best = problem.here();
     const std::vector<double> sd = sd_of_x(solved);
     bool left = false;
-    for (const std::vector<double>& place : places_to_try(problem, solved, options.go_on)) {
+    for (const std::vector<double>& place : places_to_try(problem, solved, simpler, options.go_on)) {
       problem.x = place;
       problem.own = best.own;
       Solution there = solve(problem, {.go_on = options.go_on});

@@ -25,9 +25,11 @@ struct Mirror : FitPoint {
 inline constexpr double kToldApart_chi2 = 6.6;
 
 /// Minima that differ in a parameter by more than half a standard deviation, lowest first. Where one is lower than the
-/// best so far it becomes the solution, and `solved` is judged anew.
+/// best so far it becomes the solution, and `solved` is judged anew. `simpler`: the fit without the last unknown,
+/// whose minima show where those of many sets of data are.
 std::vector<Mirror> mirrored_minima(FitProblem& problem, Solved& solved, Solution& solution,
-                                    std::span<const FitParameter> parameters, const MinimiseOptions& options);
+                                    std::span<const FitParameter> parameters, const MinimiseOptions& options,
+                                    const FitResult* simpler = nullptr);
 
 /// Gives the values at the other minima as `others` of the parameters and as `alternatives`. Intervals come first.
 void report_mirrors(FitProblem& problem, const Solved& solved, std::span<const Mirror> mirrors,

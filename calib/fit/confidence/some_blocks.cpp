@@ -7,7 +7,7 @@
 namespace calib {
 
 SomeBlocks some_blocks(const FitProblem& problem, const Solved& solved) {
-  constexpr std::size_t kFew = 24;
+  constexpr std::size_t kFew = 24, kFewPlaces = 8;
   const std::size_t every = std::max<std::size_t>(1, problem.blocks.size() / kFew);
   SomeBlocks some{
       .problem = {.sensors = problem.sensors,
@@ -19,6 +19,10 @@ SomeBlocks some_blocks(const FitProblem& problem, const Solved& solved) {
                   .own = {}},
       .solved = {.information = solved.information, .reference = solved.reference, .identified = solved.identified},
       .share = 1.0 / static_cast<double>(every)};
+  const auto over_field = [&](const Block& block) {
+    return problem.sensors->field_point(std::visit([](const auto& b) { return b.place(); }, block)).has_value();
+  };
+  some.few = every == 1 && (problem.blocks.size() <= kFewPlaces || !std::ranges::any_of(problem.blocks, over_field));
   for (auto& prior : some.problem.priors)
     if (prior) (*prior)[1] *= std::sqrt(static_cast<double>(every));
   for (std::size_t b = 0; b < problem.blocks.size(); b += every) {

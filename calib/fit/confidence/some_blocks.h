@@ -13,6 +13,7 @@ struct SomeBlocks {
   FitProblem problem;
   Solved solved;       ///< noise and tests of these blocks; references, information and what is determined are of all
   double share = 1.0;  ///< of all blocks
+  bool few = true;     ///< all there are, and not so many places of the image that they tell most mirrors apart
 };
 
 /// A few dozen blocks; all where there are no more.

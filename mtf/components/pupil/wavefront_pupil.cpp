@@ -153,14 +153,15 @@ struct Phase {
 Nodes choose_nodes(const Phase& phase, const PupilCap& cap, double accuracy) {
   // Along a long arc the phase is a trigonometric polynomial of its degree, not an algebraic one.
   const int degree = phase.d.degree, points = (cap.angle > 0.5 * kPi ? 2 : 1) * (degree + 3);
-  const auto chebyshev = [points](int k) { return std::cos(kPi * k / (points - 1)); };
+  std::array<double, 2 * (PupilPolynomial::kMaxDegree + 3)> chebyshev;
+  for (int k = 0; k < points; ++k) chebyshev[static_cast<std::size_t>(k)] = std::cos(kPi * k / (points - 1));
   double along = 0.0, across = 0.0;
   for (int k = 0; k < points; ++k) {
-    const double t = 0.5 * cap.angle * (1.0 + chebyshev(k)), c = std::cos(t), s = std::sin(t);
+    const double t = 0.5 * cap.angle * (1.0 + chebyshev[static_cast<std::size_t>(k)]), c = std::cos(t), s = std::sin(t);
     const double u = cap.centre + cap.side * cap.radius * c, half_chord = cap.radius * s;
     const Row d = on_chord(phase.d, u, half_chord), d_u = on_chord(phase.d_u, u, half_chord);
     for (int l = 0; l < points; ++l) {
-      const double w = chebyshev(l), d_w = slope(d, degree, w);
+      const double w = chebyshev[static_cast<std::size_t>(l)], d_w = slope(d, degree, w);
       across = std::max(across, std::abs(d_w));
       // dy/dt = radius cos t w; d_w = dD/dy x half_chord.
       const double d_y = half_chord > 0.0 ? d_w / half_chord : 0.0;
@@ -184,6 +185,22 @@ struct Sums {
   std::vector<Cplx> by{};
 };
 
+/// sum[j] of value[k] w[k]^j for j < count; the values are used up.
+MTFKIT_CLONES void power_sums(const double* w, std::size_t n, std::size_t count, double* __restrict value,
+                              double* __restrict sum) {
+  constexpr std::size_t kLanes = 8;
+  for (std::size_t j = 0; j < count; ++j) {
+    std::array<double, kLanes> lane{};
+    std::size_t k = 0;
+    for (; k + kLanes <= n; k += kLanes)
+      for (std::size_t l = 0; l < kLanes; ++l) lane[l] += value[k + l], value[k + l] *= w[k + l];
+    double rest = 0.0;
+    for (; k < n; ++k) rest += value[k], value[k] *= w[k];
+    for (const double one : lane) rest += one;
+    sum[j] = rest;
+  }
+}
+
 void add_cap(const Phase& phase, const PupilCap& cap, const Nodes& nodes, bool arcs, Sums& sums) {
   const int degree = phase.d.degree;
   std::array<Cplx, PupilPolynomial::kMaxDegree + 1> moment{};
@@ -204,13 +221,14 @@ void add_cap(const Phase& phase, const PupilCap& cap, const Nodes& nodes, bool a
     Cplx chord{};
     for (std::size_t k = 0; k < used; ++k) chord += Cplx(re[k], im[k]);
     chord *= fold;
-    moment.fill({});
-    for (std::size_t k = 0; k < used && !phase.by.empty(); ++k) {
-      Cplx power = fold * Cplx(re[k] + nodes.across.weight[k], im[k]);
-      for (std::size_t j = 0; j < moments; ++j, power *= nodes.across.node[k]) moment[j] += power;
+    if (!phase.by.empty()) {
+      for (std::size_t k = 0; k < used; ++k) re[k] += nodes.across.weight[k];
+      std::array<double, std::tuple_size_v<decltype(moment)>> real, imaginary;
+      power_sums(nodes.across.node.data(), used, moments, re.data(), real.data());
+      power_sums(nodes.across.node.data(), used, moments, im.data(), imaginary.data());
+      for (std::size_t j = 0; j < moments; ++j)
+        moment[j] = even && j % 2 == 1 ? Cplx{} : fold * Cplx(real[j], imaginary[j]);
     }
-    if (even)
-      for (std::size_t j = 1; j < moment.size(); j += 2) moment[j] = {};
     sums.area += area_weight * chord;
     for (std::size_t q = 0; q < phase.by.size(); ++q) {
       const Row row = on_chord(phase.by[q], u, half_chord);

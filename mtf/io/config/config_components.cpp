@@ -31,6 +31,7 @@ Overloads(F...) -> Overloads<F...>;
 /// True when the value was there and good.
 bool read_value(const Section& section, const FieldRef<double>& field) {
   const FieldInfo& info = *field.info;
+  if (const auto from_file = read_file_over_field(section, field)) return *from_file;
   const auto set = [](auto& target, const auto& value) {
     if (value) target = *value;
     return value.has_value();
@@ -57,9 +58,9 @@ bool read_value(const Section& section, const FieldRef<double>& field) {
                 [&](Choice* value) { return set(value->index, read_word(section, info.name, value->names)); },
                 [&](Coefficients<double>* value) { return set(*value, read_coefficients(section, info)); },
                 [&](Taps<double>* value) { return set(*value, read_taps(section, info.name)); },
-                [&](std::shared_ptr<const Curve>* value) {
-                  *value = read_curve(section, info.name);
-                  return *value != nullptr;
+                [&](CurveSum<double>* value) {
+                  if (auto curve = read_curve(section, info.name)) *value = std::move(curve);
+                  return !value->curves.empty();
                 }},
       field.value);
 }
@@ -181,16 +182,19 @@ void warn_of_kinks(Reader& reader, const System<double>& system, std::size_t ent
     }
 }
 
-/// A number by a table is what the table has on the optical axis and its own terms.
-void add_axis_value(Reader& reader, const FieldTerms& terms, const FieldNumber<double>& number,
+/// A number by a table is what the table has on the optical axis and its own terms. False where the table has nothing
+/// there, which is reported.
+bool add_axis_value(Reader& reader, const FieldTerms& terms, const FieldNumber<double>& number,
                     System<double>& system) {
   const auto frame = reader.failed.lower_bound("frame.");
-  if (frame != reader.failed.end() && frame->starts_with("frame.")) return;  // no size to go by
+  if (frame != reader.failed.end() && frame->starts_with("frame.")) return true;  // no size to go by
   const auto fields = system.list(Stage::presample)[number.entry].component.fields();
   try {
     *detail::number_of(fields[number.field], number.element) += system.mapped(number, {});
+    return true;
   } catch (const UsageError& error) {
     reader.error(terms.position, terms.path, std::string(error.what()) + " on the optical axis");
+    return false;
   }
 }
 
@@ -198,6 +202,7 @@ void add_axis_value(Reader& reader, const FieldTerms& terms, const FieldNumber<d
 void take_over_field(const Section& section, Stage stage, std::size_t entry, System<double>& system) {
   const std::string before = section.path + ".";
   const auto fields = system.list(stage).at(entry).component.fields();
+  const FieldMap* faulty = nullptr;  // of many numbers
   std::erase_if(section.reader.terms, [&](const FieldTerms& terms) {
     if (!terms.path.starts_with(before)) return false;
     const auto place = place_of(fields, std::string_view(terms.path).substr(before.size()));
@@ -214,7 +219,8 @@ void take_over_field(const Section& section, Stage stage, std::size_t entry, Sys
     } else {
       FieldNumber<double>& number = system.field.numbers.emplace_back(FieldNumber<double>{
           entry, place->field, place->element, terms.coefficient, terms.map, terms.column, terms.factor});
-      if (terms.map) add_axis_value(section.reader, terms, number, system);
+      if (terms.map && terms.map.get() != faulty && !add_axis_value(section.reader, terms, number, system))
+        faulty = terms.map.get();
     }
     return true;
   });
@@ -228,6 +234,8 @@ void read_fields(const Section& section, std::span<const FieldRef<double>> field
   std::vector<std::string> known{"kind", "label"};
   for (const auto& field : fields)
     for (std::string& key : keys_of(*field.info)) known.push_back(std::move(key));
+  for (const FileKey& key : kFileKeys)
+    if (const Node* kind = section.find("kind"); kind != nullptr && kind->text == key.kind) known.emplace_back(key.key);
   check_keys(section, known);
   for (const auto& field : fields) {
     const std::string path = section.at(field.info->name);
@@ -279,8 +287,7 @@ Origin read_components(const Section& root, System<double>& system) {
       auto label = read_label(section, taken);
       if (!component) continue;
       section.title += " " + std::string(component->kind());
-      std::optional<Node> filled = with_columns(section, component->fields());
-      if (!filled) filled = with_samples(section, component->fields());
+      const std::optional<Node> filled = with_columns(section, component->fields());
       read_fields({root.reader, filled ? *filled : section.table, section.path, section.title}, component->fields());
       kinds.emplace_back(component->kind());
       labels.push_back(std::move(label));
@@ -398,9 +405,12 @@ std::string over_field_text(const System<double>& system, std::string_view path,
   return "{ " + joined(members) + " }";
 }
 
-std::string positions_source(const System<double>& system, std::string_view path) {
-  const std::optional<NumberAt> first = number_at(system, std::string(path) + "[0]");
-  return first && first->number != nullptr && first->number->map ? first->number->map->source : "";
+std::shared_ptr<const FieldMap> map_for_member(const System<double>& system, std::string_view path,
+                                               const FileKey& key) {
+  const bool pair = key.kind == "flow";  // whose numbers may have tables of their own
+  const std::optional<NumberAt> first = number_at(system, std::string(path) + (pair ? "_x" : "[0]"));
+  if (!first || first->number == nullptr || !first->number->map) return nullptr;
+  return !pair || first->number->map->is_image() ? first->number->map : nullptr;
 }
 
 }  // namespace mtf::io::cfg

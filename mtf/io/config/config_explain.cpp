@@ -224,9 +224,11 @@ Resolved resolved(const FieldRef<double>& field, const System<double>& system, c
                   std::to_string(value->empty() ? 0 : value->front().size()) + " columns" +
                   (info.name == "taps" ? ", sum " + rounded(sum) : "")};
         } else {
-          if (*value == nullptr) return {};
-          return {std::to_string((*value)->frequency.size()) + " samples to " +
-                  with_unit((*value)->frequency.back(), (*value)->unit->name)};
+          if (value->curves.empty()) return {};
+          if (value->curves.size() > 1) return {std::to_string(value->curves.size()) + " curves over the field"};
+          const Curve& one = *value->curves.front();
+          return {std::to_string(one.frequency.size()) + " samples to " +
+                  with_unit(one.frequency.back(), one.unit->name)};
         }
       },
       field.value);

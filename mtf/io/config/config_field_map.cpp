@@ -2,8 +2,10 @@
 
 // Numbers of components by tables over the field: of one number, w131 = { table = "coma.csv" }, or of a component,
 //   table = "zernike.csv"      each column is the number that it is called as: w020, rms, zernike[3] or Z4
-// which is read as if each of these numbers were written with that table. The samples of a psf come from files at
-// positions, positions = "psfs.csv", as numbers of one table: OTFs are linear in samples whose sum is 1.
+// which is read as if each of these numbers were written with that table. Files stand for other members (kFileKeys):
+// the samples of a psf at positions, as numbers of one table, as OTFs are linear in samples whose sum is 1; curves at
+// positions, whose weights are numbers of a table with 1 at the position of each and 0 at the others; an image of the
+// two parts of a shift.
 
 #include <algorithm>
 #include <charconv>
@@ -14,6 +16,7 @@
 #include "mtf/error.h"
 #include "mtf/field/field_map.h"
 #include "mtf/io/config/config_reader.h"
+#include "mtf/io/csv/curve_csv.h"
 #include "mtf/io/csv/field_map_csv.h"
 #include "mtf/io/image_io.h"
 #include "mtf/io/npy.h"
@@ -114,6 +117,116 @@ Image read_samples(const std::string& path) {
   return samples;
 }
 
+std::shared_ptr<const FieldMap> samples_at(Reader& reader, const std::string& path, Taps<double>& rows) {
+  FieldFiles files = read_field_files_csv(path);
+  require_positions(files.positions);  // before that many files are read
+  std::int64_t width = 0, height = 0;
+  for (const std::string& name : files.file) {
+    const Image samples = read_samples(reader.file(name));
+    if (width == 0) width = samples.width(), height = samples.height();
+    if (samples.width() != width || samples.height() != height)
+      throw UsageError(name + ": " + size_text(samples.width(), samples.height()) + " samples, where " +
+                       files.file.front() + " has " + size_text(width, height) + "; give all one size");
+    const std::span values(samples.data(), static_cast<std::size_t>(samples.size()));
+    const double sum = std::accumulate(values.begin(), values.end(), 0.0);
+    if (!(sum > 0.0) || !std::isfinite(sum))
+      throw UsageError(name + ": the sum of the samples, by which they are divided, is " + format_double(sum) +
+                       "; a point spread is positive but for noise and rings");
+    files.positions.column.resize(values.size());
+    for (std::size_t i = 0; i < values.size(); ++i) files.positions.column[i].value.push_back(values[i] / sum);
+  }
+  rows.assign(static_cast<std::size_t>(height), std::vector<double>(static_cast<std::size_t>(width)));
+  return make_field_map(std::move(files.positions));
+}
+
+std::shared_ptr<const FieldMap> curves_at(Reader& reader, const std::string& path, CurveSum<double>& sum) {
+  constexpr std::size_t kMost = 400, kFrequencies = 32;
+  FieldFiles files = read_field_files_csv(path);
+  require_positions(files.positions);
+  const std::size_t n = files.file.size();
+  if (n > kMost)
+    throw UsageError(path + ": " + std::to_string(n) + " curves, at most " + std::to_string(kMost) +
+                     " are interpolated over the field; keep every " + std::to_string(n / kMost + 1) + "th");
+  double end = 0.0;
+  for (const std::string& name : files.file) {
+    auto curve = std::make_shared<const Curve>(read_curve_csv(reader.file(name)));
+    if (const auto& first = sum.curves.empty() ? curve : sum.curves.front(); curve->unit != first->unit)
+      throw UsageError(name + ": frequencies in " + std::string(curve->unit->name) + ", where " + files.file.front() +
+                       " has " + std::string(first->unit->name) + "; give all in one unit");
+    end = std::max(end, end_of(*curve));
+    sum.curves.push_back(std::move(curve));
+  }
+  sum.weight.assign(n, 0.0);
+  // What the sum misses at positions that are left out: that of the values at some frequencies, the most of them.
+  FieldMap values = files.positions;
+  values.column.resize(kFrequencies);
+  for (std::size_t k = 0; k < kFrequencies; ++k)
+    for (const auto& curve : sum.curves)
+      values.column[k].value.push_back(evaluate(*curve, end * static_cast<double>(k + 1) / kFrequencies).value);
+  std::optional<std::array<double, 2>> missed;
+  for (const FieldMap::Column& column : make_field_map(std::move(values))->column)
+    if (column.missed && (!missed || (*column.missed)[0] > (*missed)[0])) missed = column.missed;
+  files.positions.column.resize(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    files.positions.column[i].value.assign(n, 0.0);
+    files.positions.column[i].value[i] = 1.0;
+  }
+  FieldMap map = *make_field_map(std::move(files.positions));
+  for (FieldMap::Column& column : map.column) column.missed = missed;
+  return std::make_shared<const FieldMap>(std::move(map));
+}
+
+std::shared_ptr<const FieldMap> displacements_in(const std::string& path, AxisPair<double>& shift) {
+  const std::string remedy = "; give OpenEXR channels x and y, or NPY of 2 x rows x columns or rows x columns x 2";
+  FieldMap map;
+  map.source = path;
+  for (const char* name : {"x", "y"}) map.column.push_back({name, find_unit("px"), {}});
+  const auto begin = [&](std::uint64_t columns, std::uint64_t rows) {
+    constexpr std::uint64_t kLongest = 1 << 14, kMostSamples = 1 << 25;
+    if (std::min(columns, rows) < 2 || std::max(columns, rows) > kLongest || columns * rows > kMostSamples)
+      throw UsageError(path + ": " + size_text(columns, rows) +
+                       " samples; an image of displacements has 2 at least along each axis and 2^25 at most, which may "
+                       "be of blocks of pixels");
+    map.columns = static_cast<int>(columns), map.rows = static_cast<int>(rows);
+  };
+  if (path.ends_with(".npy")) {
+    NpyReader file(path);
+    const std::vector<std::uint64_t>& shape = file.shape();
+    const bool planes = shape.size() == 3 && shape[0] == 2;
+    if (!file.is_float() || shape.size() != 3 || (!planes && shape[2] != 2))
+      throw UsageError(path + ": no two planes of floats" + remedy);
+    begin(planes ? shape[2] : shape[1], planes ? shape[1] : shape[0]);
+    std::vector<float> values(static_cast<std::size_t>(shape[0] * shape[1] * shape[2]));
+    file.read(0, values);
+    const std::size_t half = values.size() / 2;
+    for (std::size_t i = 0; i < values.size(); ++i)
+      map.column[planes ? i / half : i % 2].value.push_back(static_cast<double>(values[i]));
+  } else {
+    const std::vector<ChannelInfo> channels = read_info(path).channels;
+    for (FieldMap::Column& column : map.column) {
+      const auto same = [&](const ChannelInfo& one) { return lower_case(one.name) == column.name; };
+      const auto found = std::ranges::find_if(channels, same);
+      if (found == channels.end()) throw UsageError(path + ": no channel " + column.name + remedy);
+      const ImageFile file = read_image(path, {.channel = found->name});
+      const Image& plane = file.planes.front();
+      if (file.integer || file.missing_pixels > 0)
+        throw UsageError(path + ": channel " + column.name + " is no image of floats that fills its window" + remedy);
+      begin(static_cast<std::uint64_t>(plane.width()), static_cast<std::uint64_t>(plane.height()));
+      column.value.assign(plane.data(), plane.data() + plane.size());
+    }
+  }
+  for (const FieldMap::Column& column : map.column) {
+    const auto bad = std::ranges::find_if_not(column.value, [](double value) { return std::isfinite(value); });
+    if (bad == column.value.end()) continue;
+    const auto at = bad - column.value.begin();
+    throw UsageError(path + ": the displacement along " + column.name + " is not finite in column " +
+                     std::to_string(at % map.columns) + ", row " + std::to_string(at / map.columns) +
+                     "; fill such places from their neighbours");
+  }
+  shift = {{0.0, find_unit("px")}, {0.0, find_unit("px")}, true};
+  return make_field_image(std::move(map));
+}
+
 void note_map(Reader& reader, const System<double>& system, std::size_t entry, const FieldMap* map, Position position,
               const std::string& path) {
   struct Missed {
@@ -121,7 +234,7 @@ void note_map(Reader& reader, const System<double>& system, std::size_t entry, c
     std::string text;
   };
   std::vector<Missed> missed;
-  double otf = 0.0;  // of samples: no more than the sum of what each is missed by
+  double otf = 0.0;  // of samples: no more than the sum of what each is missed by; of curves what all are
   const auto fields = system.list(Stage::presample).at(entry).component.fields();
   for (const FieldNumber<double>& number : system.field.numbers) {
     if (number.entry != entry || number.map.get() != map) continue;
@@ -131,6 +244,7 @@ void note_map(Reader& reader, const System<double>& system, std::size_t entry, c
                          map->source + " has so few positions that nothing tells what lies between them", false);
     const auto [rms, most] = *column.missed;
     if (fields[number.field].info->type == FieldType::rows) otf += rms;
+    if (fields[number.field].info->type == FieldType::file) otf = rms;
     const auto [low, high] = std::ranges::minmax(column.value);
     const std::string_view unit = column.unit != nullptr ? column.unit->name : "";
     if (high > low && otf == 0.0)
@@ -143,8 +257,10 @@ void note_map(Reader& reader, const System<double>& system, std::size_t entry, c
   const bool doubtful = missed.front().share > kDoubtful;
   const std::size_t shown = std::min(missed.size(), kMostNoted);
   reader.note(position, path,
-              "numbers between the " + std::to_string(map->position.size()) + " positions of " + map->source +
-                  " are interpolated; where a position is left out, that misses " +
+              "numbers between the " +
+                  (map->is_image() ? size_text(map->columns, map->rows) + " samples"
+                                   : std::to_string(map->position.size()) + " positions") +
+                  " of " + map->source + " are interpolated; where a position is left out, that misses " +
                   joined(
                       std::span(missed).first(shown), [](const Missed& number) { return number.text; }, "; ") +
                   (missed.size() > shown ? ", the others by smaller shares" : "") +
@@ -222,60 +338,42 @@ std::optional<Node> with_columns(const Section& section, std::span<const FieldRe
   return component;
 }
 
-std::optional<Node> with_samples(const Section& section, std::span<const FieldRef<double>> fields) {
-  const auto rows_field =
-      std::ranges::find(fields, FieldType::rows, [](const auto& field) { return field.info->type; });
-  const Node* list = section.find(kPositionsKey);
-  if (list == nullptr || rows_field == fields.end()) return std::nullopt;
-  Node component = section.table;
-  std::erase_if(component.members, [](const Member& member) { return member.key == kPositionsKey; });
+std::optional<bool> read_file_over_field(const Section& section, const FieldRef<double>& field) {
+  const Node* kind = section.find("kind");
+  const auto key = std::ranges::find_if(kFileKeys, [&](const FileKey& one) {
+    return kind != nullptr && one.kind == kind->text && one.member == field.info->name;
+  });
+  const Node* file = key == kFileKeys.end() ? nullptr : section.find(key->key);
+  if (file == nullptr) return std::nullopt;
   Reader& reader = section.reader;
-  const std::string key(rows_field->info->name), path = section.at(kPositionsKey);
-  reader.positions[path] = list->position;
+  reader.positions[section.at(key->key)] = file->position;
   const auto fail = [&](const std::string& text) {
-    section.error(kPositionsKey, printable(text, 600));
+    section.error(key->key, printable(text, 600));
     reader.failed.insert(section.path);
-    return component;
+    return false;
   };
-  if (section.find(key) != nullptr) return fail("given together with " + key + "; remove one of them");
-  if (list->kind != Node::Kind::string) return fail("the name of a CSV file with columns x, y and file belongs here");
-  std::int64_t width = 0, height = 0;
+  for (const std::string& own : keys_of(*field.info))
+    if (section.find(own) != nullptr) return fail("given together with " + own + "; remove one of them");
+  if (file->kind != Node::Kind::string) return fail("the name of a file belongs here: " + std::string(key->doc));
   try {
-    FieldFiles files = read_field_files_csv(reader.file(list->text));
-    require_positions(files.positions);  // before that many files are read
-    for (const std::string& name : files.file) {
-      const Image samples = read_samples(reader.file(name));
-      if (width == 0) width = samples.width(), height = samples.height();
-      if (samples.width() != width || samples.height() != height)
-        throw UsageError(name + ": " + size_text(samples.width(), samples.height()) + " samples, where " +
-                         files.file.front() + " has " + size_text(width, height) + "; give all one size");
-      const std::span values(samples.data(), static_cast<std::size_t>(samples.size()));
-      const double sum = std::accumulate(values.begin(), values.end(), 0.0);
-      if (!(sum > 0.0) || !std::isfinite(sum))
-        throw UsageError(name + ": the sum of the samples, by which they are divided, is " + format_double(sum) +
-                         "; a point spread is positive but for noise and rings");
-      files.positions.column.resize(values.size());
-      for (std::size_t i = 0; i < values.size(); ++i) files.positions.column[i].value.push_back(values[i] / sum);
-    }
-    const auto map = make_field_map(std::move(files.positions));
+    const std::string path = reader.file(file->text);
+    auto* const* rows = std::get_if<Taps<double>*>(&field.value);
+    auto* const* curves = std::get_if<CurveSum<double>*>(&field.value);
+    const bool pair = rows == nullptr && curves == nullptr;
+    const auto map = rows != nullptr     ? samples_at(reader, path, **rows)
+                     : curves != nullptr ? curves_at(reader, path, **curves)
+                                         : displacements_in(path, *std::get<AxisPair<double>*>(field.value));
     for (std::size_t i = 0; i < map->column.size(); ++i)
-      reader.terms.push_back({.path = section.at(key) + "[" + std::to_string(i) + "]",
-                              .position = list->position,
-                              .coefficient = {},
-                              .map = map,
-                              .column = i});
+      reader.terms.push_back(
+          {.path = section.at(key->member) + (pair ? "_" + map->column[i].name : "[" + std::to_string(i) + "]"),
+           .position = file->position,
+           .coefficient = {},
+           .map = map,
+           .column = i});
+    return true;
   } catch (const Error& error) {
     return fail(error.what());
   }
-  // Their values on the axis come with their terms.
-  const auto node = [&](Node::Kind kind) {
-    return Node{.kind = kind, .position = list->position, .text = {}, .items = {}, .members = {}};
-  };
-  Node row = node(Node::Kind::array), all = row;
-  row.items.assign(static_cast<std::size_t>(width), node(Node::Kind::real));
-  all.items.assign(static_cast<std::size_t>(height), row);
-  component.members.push_back({key, list->position, std::move(all)});
-  return component;
 }
 
 void note_maps(Reader& reader, const System<double>& system, std::size_t entry, Position position,

@@ -145,19 +145,28 @@ std::string over_field_text(const System<double>& system, std::string_view path,
                             const std::function<std::string(const std::string& path, const Scalar& number)>& text,
                             const std::function<std::string(const std::string& source)>& file);
 
-/// The file of the positions between which the rows of numbers at that path are interpolated; "" where they are given.
-std::string positions_source(const System<double>& system, std::string_view path);
-
 // Tables over the field. In config_field_map.cpp.
-inline constexpr std::string_view kTableKey = "table", kPositionsKey = "positions";
+inline constexpr std::string_view kTableKey = "table";
+/// A key of a presample component whose file stands for a member over the field.
+struct FileKey {
+  std::string_view kind, key, member, doc;
+};
+inline constexpr std::array kFileKeys{
+    FileKey{"psf", "positions", "samples",
+            "CSV file of positions, each with an OpenEXR or NPY file of the samples there"},
+    FileKey{"curve", "positions", "file", "CSV file of positions, each with a CSV file of the curve there"},
+    FileKey{"flow", "displacements", "shift",
+            "image of the whole detector with the shift of each place in px: OpenEXR channels x and y, or NPY"}};
+/// The map that stands for the member at that path, "presample[0].samples"; null where its numbers are its own.
+std::shared_ptr<const FieldMap> map_for_member(const System<double>& system, std::string_view path, const FileKey& key);
 /// The column of the table `file` for the number at `terms.path`; 0 in the unit of the number, when usable.
 std::optional<Scalar> read_column(Reader& reader, const Node& file, const FieldInfo& info, FieldTerms& terms);
 /// A component whose `table` gives numbers over the field as one with { table = ... } for each of them; nothing where
 /// it has no `table`.
 std::optional<Node> with_columns(const Section& section, std::span<const FieldRef<double>> fields);
-/// A psf whose `positions` names files of samples as one with samples that are interpolated between them, which leave
-/// their terms; nothing where it has no `positions`.
-std::optional<Node> with_samples(const Section& section, std::span<const FieldRef<double>> fields);
+/// A member from the file that its key in kFileKeys names: sized, as nothing on the axis but with terms, which bring
+/// it. Nothing where there is no such key; false where it was reported.
+std::optional<bool> read_file_over_field(const Section& section, const FieldRef<double>& field);
 /// Says how well the tables of a component are interpolated.
 void note_maps(Reader& reader, const System<double>& system, std::size_t entry, Position position,
                const std::string& path);

@@ -111,6 +111,10 @@ class Writer {
 
 void Writer::field(const FieldRef<double>& field) {
   const FieldInfo& info = *field.info;
+  for (const cfg::FileKey& key : cfg::kFileKeys)
+    if (key.member == info.name)
+      if (const auto map = cfg::map_for_member(config_.system, path_ + "." + std::string(info.name), key))
+        return raw(key.key, toml_string(path_of(map->source)));
   std::visit(
       [&](const auto* value) {
         using T = std::remove_cvref_t<decltype(*value)>;
@@ -132,13 +136,9 @@ void Writer::field(const FieldRef<double>& field) {
           if (!value->empty()) raw(info.name, "[" + list + "]");
         } else if constexpr (std::is_same_v<T, Taps<double>>) {
           const auto row = [](const auto& taps) { return "[" + joined(taps, toml_number) + "]"; };
-          if (const std::string source = cfg::positions_source(config_.system, path_ + "." + std::string(info.name));
-              !source.empty())
-            raw(cfg::kPositionsKey, toml_string(path_of(source)));
-          else
-            raw(info.name, "[" + joined(*value, row) + "]");
+          raw(info.name, "[" + joined(*value, row) + "]");
         } else {
-          curve(info.name, *value);
+          curve(info.name, value->curves.empty() ? nullptr : value->curves.front());
         }
       },
       field.value);
@@ -248,7 +248,7 @@ std::size_t begin_of_stderr(std::string_view text, std::size_t value) {
 std::vector<FieldRef<double>> without_files(std::span<const FieldRef<double>> fields) {
   std::vector<FieldRef<double>> rest;
   for (const FieldRef<double>& field : fields)
-    if (!std::holds_alternative<std::shared_ptr<const Curve>*>(field.value)) rest.push_back(field);
+    if (!std::holds_alternative<CurveSum<double>*>(field.value)) rest.push_back(field);
   return rest;
 }
 

@@ -308,11 +308,11 @@ TEST(ConfigRoundTrip, CurvesInLinesStayInLines) {
       parse_config(kHead + "[[presample]]\nkind = \"curve\"\n" + lines + "axis = \"x\"\n", sensor_path());
   ASSERT_TRUE(result.ok()) << first_error(result);
   const auto& component = result.config.system.list(Stage::presample).back().component;
-  const auto* curve = component.get_if<CurveOtf<double>>();
-  ASSERT_NE(curve, nullptr);
-  EXPECT_EQ(curve->curve->frequency, (std::vector<double>{0.0, 0.1, 0.3333333333333333}));
-  EXPECT_EQ(curve->curve->value, (std::vector<double>{1.0, 0.7, -0.125}));
-  EXPECT_EQ(curve->curve->unit->name, "cy/px");
+  ASSERT_NE(component.get_if<CurveOtf<double>>(), nullptr);
+  const Curve& curve = *component.get_if<CurveOtf<double>>()->curve.curves.front();
+  EXPECT_EQ(curve.frequency, (std::vector<double>{0.0, 0.1, 0.3333333333333333}));
+  EXPECT_EQ(curve.value, (std::vector<double>{1.0, 0.7, -0.125}));
+  EXPECT_EQ(curve.unit->name, "cy/px");
   const std::string elsewhere = write_config(result.config, "/nowhere/fitted.toml");
   expect_says(elsewhere, {lines});
   expect_round_trip(result.config);

@@ -8,12 +8,14 @@
 #include <fstream>
 
 #include "mtf/components/jitter.h"
+#include "mtf/components/linear_motion.h"
 #include "mtf/components/psf.h"
 #include "mtf/components/wavefront.h"
 #include "mtf/error.h"
 #include "mtf/io/config/config.h"
 #include "mtf/io/csv/field_map_csv.h"
 #include "mtf/io/image_io.h"
+#include "mtf/otf/same_list.h"
 #include "tests/expect_error.h"
 
 namespace mtf::io {
@@ -263,6 +265,116 @@ TEST_F(ConfigFieldMap, PointSpreadsAtPositions) {
   expect_error(body, {"no column is called file"});
   file("psfs.csv", "r,file\n0,axis.exr\n1,none.exr\n");
   expect_error(body, {"none.exr"});
+}
+
+TEST_F(ConfigFieldMap, CurvesAtPositions) {
+  // Frequencies and ends of their own; between two positions the MTF is the mean with linear weights.
+  file("axis.csv", "frequency_cy_mm,mtf\n0,1\n20,0.8\n50,0.3\n90,0\n");
+  file("corner.csv", "frequency_cy_mm,mtf\n0,1\n10,0.7\n30,0.2\n60,0\n");
+  file("curves.csv", "file,r\naxis.csv,0\ncorner.csv,1\n");
+  const std::string body = "kind = \"curve\"\npositions = \"curves.csv\"\npart = \"optics\"\n";
+  const auto alone = [&](const std::string& name, double f) {
+    return system("kind = \"curve\"\nfile = \"" + name + "\"\n").otf({0.6 * f, 0.8 * f}).re;
+  };
+  const System<double> s = system(body);
+  EXPECT_FALSE(s.is_isoplanatic());
+  for (const double f : {0.0, 12.0, 37.0, 70.0, 100.0}) {
+    const double a = alone("axis.csv", f), b = alone("corner.csv", f);
+    EXPECT_NEAR(s.otf({0.6 * f, 0.8 * f}).re, a, 1e-15) << f;
+    EXPECT_NEAR(s.at({0.24, -0.32}).otf({0.6 * f, 0.8 * f}).re, 0.6 * a + 0.4 * b, 1e-14) << f;
+  }
+  const Component<double> there = s.at({0.24, -0.32}).list(Stage::presample)[0].component;
+  EXPECT_NEAR(there.cutoff_cy_mm(s.context()), 90.0, 1e-12);
+  EXPECT_FALSE(there.traits(s.context()).gain);
+  const ConfigResult first = read(body);
+  EXPECT_EQ(first.config.files.size(), 3U);
+  const std::string text = write_config(first.config);
+  expect_says(text, {"positions = \"curves.csv\""});
+  const System<double> again = parse_config(text, (folder_ / "t.toml").string()).config.system;
+  EXPECT_EQ(again.field, first.config.system.field);
+  EXPECT_TRUE(same_list(again, first.config.system, Stage::presample));
+
+  const auto straight = [&](const std::string& name, double end) {
+    file(name, "frequency_cy_mm,mtf\n0,1\n" + std::to_string(end) + ",0\n");
+  };
+  straight("a.csv", 100.0), straight("b.csv", 50.0), straight("c.csv", 50.0);
+  file("three.csv", "r,file\n0,a.csv\n0.5,b.csv\n1,c.csv\n");
+  file("four.csv", "r,file\n0,a.csv\n0.3,b.csv\n0.6,a.csv\n1,b.csv\n");
+  const auto notes = [&](const std::string& name) {
+    std::string said;
+    for (const Diagnostic& one : read("kind = \"curve\"\npositions = \"" + name + "\"\n").diagnostics)
+      said += format_diagnostic(one, "") + "\n";
+    return said;
+  };
+  expect_says(notes("three.csv"), {"warning: presample[0]", "so few positions"});
+  expect_says(notes("four.csv"), {"warning: presample[0]", "the 4 positions of", "misses the OTF by", "closer"});
+
+  expect_error(body + "file = \"axis.csv\"\n", {"presample[0].positions", "together with file"});
+  file("corner.csv", "frequency_cy_px,mtf\n0,1\n0.5,0\n");
+  expect_error(body, {"corner.csv: frequencies in cy/px", "one unit"});
+  file("curves.csv", "x,y,file\n0,0,axis.csv\n0.5,0,axis.csv\n0,0.5,axis.csv\n");
+  expect_error(body, {"presample[0].file", "curves.csv covers the area", "add positions"});
+  std::string many = "r,file\n";
+  for (int i = 0; i <= 400; ++i) many += std::to_string(i) + ",axis.csv\n";
+  file("curves.csv", many);
+  expect_error(body, {"401 curves, at most 400", "keep every 2th"});
+  expect_error("kind = \"curve\"\npositions = 3\n", {"presample[0].positions", "CSV file of positions"});
+}
+
+TEST_F(ConfigFieldMap, DisplacementsByAnImage) {
+  // A zoom of 0.01 about the middle and a turn of 5 mrad, in blocks of 20 x 16 pixels: samples of planes, met exactly.
+  const auto save = [&](const char* name, int columns, int rows, double spoilt = 0.0) {
+    Image x(columns, rows), y(columns, rows);
+    for (int j = 0; j < rows; ++j)
+      for (int i = 0; i < columns; ++i) {
+        const double u = (i + 0.5) * 640.0 / columns - 320.0, v = (j + 0.5) * 512.0 / rows - 256.0;
+        x.at(i, j) = static_cast<float>(0.01 * u - 0.005 * v), y.at(i, j) = static_cast<float>(0.01 * v + 0.005 * u);
+      }
+    x.at(3, 2) += static_cast<float>(spoilt);
+    write_exr((folder_ / name).string(), {{"x", x.view()}, {"y", y.view()}}, {});
+  };
+  save("flow.exr", 32, 25);
+  const std::string body = "kind = \"flow\"\ndisplacements = \"flow.exr\"\n";
+  expect_error(body, {"presample[0].shift_x", "32 x 25 samples", "640 x 512"});
+  save("flow.exr", 40, 32);
+  const System<double> image = system(body), terms = system("kind = \"flow\"\nzoom = 0.01\nrotation = \"5 mrad\"\n");
+  for (const FieldPoint<double>& q : {FieldPoint<double>{}, {0.3, -0.2}, {-0.7, 0.6}, {0.78, 0.62}})
+    EXPECT_NEAR(image.at(q).otf({13.0, -7.0}).re, terms.at(q).otf({13.0, -7.0}).re, 2e-6) << q.x;  // floats of the file
+  const ConfigResult first = read(body);
+  const std::string text = write_config(first.config);
+  expect_says(text, {"displacements = \"flow.exr\""});
+  EXPECT_EQ(parse_config(text, (folder_ / "t.toml").string()).config.system.field, first.config.system.field);
+
+  expect_error(body + "shift = \"1 px\"\n", {"presample[0].displacements", "together with shift"});
+  save("flow.exr", 40, 32, std::nan(""));
+  expect_error(body, {"along x is not finite in column 3, row 2"});
+  write_exr((folder_ / "flow.exr").string(), {{"Y", Image(40, 32).view()}}, {});
+  expect_error(body, {"no channel x", "channels x and y"});
+  // The same as planes and interleaved, by another writer (NPY 1.0 by hand).
+  const auto npy = [&](const char* shape, bool planes) {
+    std::string header = "{'descr': '<f4', 'fortran_order': False, 'shape': (" + std::string(shape) + "), }";
+    header.resize(117, ' ');
+    std::ofstream out(folder_ / "flow.npy", std::ios::binary);
+    out << std::string("\x93NUMPY\x01\x00", 8) << std::string("\x76\x00", 2) << header << '\n';
+    for (int k = 0; k < 40; ++k) {
+      const int place = planes ? k % 20 : k / 2, axis = planes ? k / 20 : k % 2;
+      const float value = static_cast<float>(axis == 0 ? 0.25 * (place % 5) : -0.5 * (place / 5));
+      out.write(reinterpret_cast<const char*>(&value), 4);
+    }
+  };
+  const std::string other = "kind = \"flow\"\ndisplacements = \"flow.npy\"\n";
+  for (const bool planes : {true, false}) {
+    npy(planes ? "2, 4, 5" : "4, 5, 2", planes);
+    const auto shift = [&](double x, double y) {
+      const System<double> s = system(other);
+      return s.at(s.field_point(x, y)).list(Stage::presample)[0].component.get_if<Flow<double>>()->shift;
+    };
+    EXPECT_NEAR(shift(128.0 * 1.5, 128.0 * 2.5).x.value, 0.25, 1e-12);  // the middle of a sample
+    EXPECT_NEAR(shift(128.0 * 2.75, 128.0 * 0.5).x.value, 0.5625, 1e-12);
+    EXPECT_NEAR(shift(0.0, 512.0).y.value, -1.75, 1e-12);  // beyond the last middle
+  }
+  npy("5, 4", true);
+  expect_error(other, {"no two planes"});
 }
 
 TEST_F(ConfigFieldMap, WhatCannotBeIsRefused) {
