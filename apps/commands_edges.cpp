@@ -134,7 +134,8 @@ Command fit_command() {
       "Imatest, also JSON) along a "
       "direction, default 0; may be given again",
       options.curves);
-  add_choice(app, "--curve-unit", "UNIT", "of the frequencies of mtf curve --format csv: cy/mm, cy/mrad or cy/px",
+  add_choice(app, "--curve-unit", "UNIT",
+             "of the frequencies of mtf curve --format csv, and of JSON without one: cy/mm, cy/mrad or cy/px",
              as_they_are("cy/mm", "cy/mrad", "cy/px"), options.curve_unit);
   add_value(app, "--curve-sd", "SD", "of the values of curves that have no column sd; default 0.01", options.curve_sd,
             positive);

@@ -81,43 +81,80 @@ CurveWord curve_word(const std::string& word) {
   return {word.substr(0, at), number("--curve " + one_line(word) + ": the angle", word.substr(at + 1))};
 }
 
-bool is_numbers(const Json& json) {
-  return json.is_array() && !json.empty() && std::ranges::all_of(json.elements(), &Json::is_number);
+/// A list of values, such as numbers and null.
+bool is_column(const Json& json) {
+  return json.is_array() && !json.empty() &&
+         std::ranges::none_of(json.elements(), [](const Json& e) { return e.is_array() || e.is_object(); });
 }
 
-/// Curves in the JSON of other programs, such as Imatest: lists of numbers of one length that stand in one object,
-/// wherever it is, are the columns of a table by their names, "Cy/Pxl": [...], "MTF_Y": [...]. A unit may stand beside
-/// them, "frequency_units": "cy/px". Tables without a frequency and an MTF are passed by.
-void add_json_curves(const Json& json, const std::string& where, std::vector<mtf::io::CurveSamples>& curves) {
+/// Name of a column of a CSV line, in which a comma between quotes separates nothing.
+std::string column_name(std::string name) {
+  std::ranges::replace_if(
+      name, [](char c) { return std::string_view("\"#,;\t\r\n").find(c) != std::string_view::npos; }, ' ');
+  return "\"" + name + "\"";
+}
+
+/// Curves of a table of JSON. What is wrong is said of it, not of the lines that it is read as: of an element, counted
+/// from 0, for line 2 and those below.
+std::vector<mtf::io::CurveSamples> json_curves(const std::string& text, const std::string& where) try {
+  return mtf::io::parse_curve_samples(text, where);
+} catch (const mtf::UsageError& error) {
+  std::string_view what = error.what();
+  if (!what.starts_with(where + ":")) throw;
+  what.remove_prefix(where.size() + 1);
+  const auto line = mtf::io::cell_number<std::size_t>(what.substr(0, what.find(':')));
+  if (!line) throw;
+  what.remove_prefix(what.find(':') + 2);
+  if (*line > 1)
+    throw mtf::UsageError(where + ", element " + std::to_string(*line - 2) + " of its lists: " + std::string(what));
+  throw mtf::UsageError(where + ": " + std::string(what.substr(0, what.find("; write the first line"))) +
+                        "; call its lists like this: frequency_cy_px, MTF");
+}
+
+/// Curves in the JSON of other programs, such as Imatest: lists of one length that stand in one object, wherever it is,
+/// are the columns of a table by their names, "Cy/Pxl": [...], "MTF_Y": [...]. A unit may stand beside them,
+/// "frequency_units": "cy/px", else it is `unit`. Tables without a frequency and an MTF are passed by.
+void add_json_curves(const Json& json, const std::string& where, std::string unit,
+                     std::vector<mtf::io::CurveSamples>& curves) {
   if (json.is_array())
     for (std::size_t i = 0; i < json.size(); ++i)
-      add_json_curves(json[i], where + "[" + std::to_string(i) + "]", curves);
+      add_json_curves(json[i], where + "[" + std::to_string(i) + "]", unit, curves);
   if (!json.is_object()) return;
   std::map<std::size_t, std::vector<std::pair<std::string, const Json*>>> tables;  // by the length of their columns
-  std::string unit;
   for (const auto& [name, value] : json.items()) {
-    if (mtf::lower_case(name).starts_with("freq") && value.is_string()) unit = " (" + value.get<std::string>() + ")";
-    if (is_numbers(value)) tables[value.size()].emplace_back(name, &value);
-    add_json_curves(value, where + "." + mtf::printable(name, 40), curves);
+    add_json_curves(value, where + "." + mtf::printable(name, 40), unit, curves);
+    if (is_column(value)) tables[value.size()].emplace_back(name, &value);
   }
+  for (const auto& [name, value] : json.items())
+    if (mtf::lower_case(name).starts_with("freq") && value.is_string()) unit = value.get<std::string>();
   for (const auto& [length, columns] : tables) {
     std::string text;
     for (const auto& [name, list] : columns) {
       const std::string word = mtf::lower_case(name);
-      mtf::io::append_word(text, "\"" + name + (word == "frequency" || word == "freq" ? unit : "") + "\"", ',');
+      const bool is_bare = !unit.empty() && (word == "frequency" || word == "freq");
+      mtf::io::append_word(text, column_name(name + (is_bare ? " (" + unit + ")" : "")), ',');
     }
     if (!mtf::io::is_curve_header(text)) continue;
     for (std::size_t row = 0; row < length; ++row) {
       std::string line;
-      for (const auto& [name, list] : columns)
-        mtf::io::append_word(line, mtf::format_double((*list)[row].get<double>()), ',');
+      for (const auto& [name, list] : columns) {
+        const Json& cell = (*list)[row];
+        mtf::io::append_word(line, cell.is_number() ? mtf::format_double(cell.get<double>()) : "null", ',');
+      }
       text += "\n" + line;
     }
-    for (mtf::io::CurveSamples& curve : mtf::io::parse_curve_samples(text, where)) {
+    for (mtf::io::CurveSamples& curve : json_curves(text, where)) {
       curve.name = where.substr(where.find(": ") + 2) + " " + curve.name;
       curves.push_back(std::move(curve));
     }
   }
+}
+
+/// Of a text that is no JSON the place is said.
+Json json_of(const std::string& text, const std::string& name) try {
+  return parse_json(text);
+} catch (const mtf::UsageError& error) {
+  throw mtf::UsageError(name + ": is no JSON: " + mtf::printable(error.what()) + "; export it anew");
 }
 
 /// All curves of a file; `sd` for those that do not say it themselves.
@@ -127,8 +164,8 @@ void add_curves(LoadedData& loaded, const std::string& word, double sd, const st
   std::vector<mtf::io::CurveSamples> curves;
   if (!mtf::lower_case(name).ends_with(".json"))
     curves = mtf::io::parse_curve_samples(text, parts.file, mtf::find_unit(unit));
-  else if (const auto json = parsed_json(text))
-    add_json_curves(*json, name + ": ", curves);
+  else
+    add_json_curves(json_of(text, name), name + ": $", unit, curves);
   if (curves.empty())
     throw mtf::UsageError(name + ": no JSON with lists of a frequency (frequency_cy_px, Cy/Pxl) and of an MTF (MTF, " +
                           "SFR, MTF_Y) in one object; rename them, or export a CSV");

@@ -17,6 +17,7 @@
 #include "mtf/error.h"
 #include "mtf/io/config/config_edit.h"
 #include "mtf/io/csv/csv_cells.h"
+#include "mtf/io/csv/field_map_csv.h"
 #include "mtf/io/csv/spectral_units.h"
 #include "mtf/io/designs/design_columns.h"
 #include "mtf/io/designs/mtf_listing.h"
@@ -151,6 +152,7 @@ Imported zernike_table(std::vector<ZernikeField> fields, std::vector<std::string
   }
   keys.insert(keys.begin(), "table = " + toml_string(file.empty() ? "zernike.csv" : file.substr(file.rfind('/') + 1)));
   result.text = commented(block("wavefront", keys)) + joined(rows, "\n") + "\n";
+  static_cast<void>(mtf::io::parse_field_map_csv(joined(rows, "\n"), "the imported table"));  // as a sensor would
   return result;
 }
 
@@ -190,7 +192,7 @@ Imported import_zernike(const std::vector<DesignText>& texts, const ImportOption
 /// Of a PSF whose samples are rows.
 Imported psf_block(const std::vector<std::vector<double>>& samples, std::vector<std::string> keys,
                    DesignRemarks remarks) {
-  const auto row = [](const std::vector<double>& numbers) { return "[" + joined(numbers, toml_number) + "]"; };
+  const auto row = [](const std::vector<double>& numbers) { return "[" + joined(numbers, toml_number, ",") + "]"; };
   keys.push_back("samples = [" + joined(samples, row, ",\n") + "]");
   Imported result{.text = block("psf", keys), .remarks = std::move(remarks)};
   if (result.text.size() > kMostBlockBytes)
@@ -222,18 +224,29 @@ void write_result(const ImportOptions& options, const std::string& text, const G
   if (emit_for_editing(options.out, text, options.force)) note(global, "wrote " + one_line(options.out));
 }
 
+/// Throws UsageError for the first option that is given and changes nothing of such a file.
+void require_effect(const std::string& what, std::initializer_list<std::pair<const char*, bool>> given) {
+  for (const auto& [name, is_given] : given)
+    if (is_given) throw mtf::UsageError(std::string(name) + " has no effect on " + what + "; leave it out");
+}
+
 /// One point spread is a block; those of several places are images beside the table that names them.
 void import_fits(const ImportOptions& options, const Global& global) {
   const std::string& file = options.files.front();
+  require_effect(file + ", a FITS", {{"--as", !options.kind.empty() && options.kind != "psf"},
+                                     {"--columns", !options.columns.empty()},
+                                     {"--order", options.reading.order.has_value()},
+                                     {"--sign", options.reading.sign != 1.0}});
   if (options.files.size() > 1) throw mtf::UsageError("one FITS at a time: leave out " + options.files[1]);
   mtf::io::PsfFits psf = read_psf_fits(file, options.fits);
   const std::string step = "step = " + toml_string(psf.step);
   const bool one = options.field > 0 || !psf.planes.front().place;
   const mtf::io::PsfPlane& plane = one ? one_field(psf.planes, options.field) : psf.planes.front();
   if (one) psf.remarks.notes.push_back(plane.place ? plane.place->text() : plane.label);
-  std::vector<std::vector<double>> samples;
-  for (std::int64_t y = 0; y < plane.samples.height(); ++y)
-    samples.emplace_back(plane.samples.view().row(y), plane.samples.view().row(y) + plane.samples.width());
+  std::vector<std::vector<double>> samples(static_cast<std::size_t>(plane.samples.height()));
+  for (std::int64_t i = 0; i < plane.samples.size(); ++i)  // in the digits of a float
+    samples[static_cast<std::size_t>(i / plane.samples.width())].push_back(
+        *mtf::io::cell_number(mtf::io::number_text(plane.samples.data()[i])));
   const Imported block_of_one = psf_block(samples, {step}, psf.remarks);
   const std::string head = heading(block_of_one.remarks, global);
   if (one) return write_result(options, head + block_of_one.text, global);
@@ -244,11 +257,14 @@ void import_fits(const ImportOptions& options, const Global& global) {
   const auto base = [](const std::string& path) { return path.substr(path.rfind('/') + 1); };
   std::string rows =
       commented(block("psf", {step, "positions = " + toml_string(base(options.out))})) + "x (px),y (px),file\n";
+  std::string places = "x (px),y (px),plane";
   for (const mtf::io::PsfPlane& one_of : psf.planes) {
     files.push_back(options.out.substr(0, options.out.size() - 4) + "_" + std::to_string(files.size()) + ".exr");
-    rows += mtf::format_double(one_of.place->x) + "," + mtf::format_double(one_of.place->y) + "," +
-            mtf::io::csv_field(base(files.back())) + "\n";
+    const std::string place = mtf::format_double(one_of.place->x) + "," + mtf::format_double(one_of.place->y) + ",";
+    rows += place + mtf::io::csv_field(base(files.back())) + "\n";
+    places += "\n" + place + "1";
   }
+  static_cast<void>(mtf::io::parse_field_map_csv(places, "the imported table"));  // as a sensor would
   for (const std::string& name : files)
     if (!options.force && std::filesystem::exists(name))
       throw mtf::UsageError(name + ": exists already; --force replaces it, -o NAME writes another file");
@@ -351,15 +367,19 @@ int run_config_import(const ImportOptions& given, const Global& global) {
   for (const std::string& file : options.files) {
     DesignText text = mtf::io::read_design_text(file);
     const std::string columns = options.columns.empty() ? mtf::io::field_scan_columns(text) : options.columns;
-    if (options.columns.empty() && !columns.empty() && !options.reading.order &&
-        text.has("Fringe") != text.has("Standard"))
-      options.reading.order = text.has("Fringe") ? "fringe" : "noll";
+    if (options.columns.empty() && !columns.empty() && text.has("Fringe") != text.has("Standard"))
+      text.order = text.has("Fringe") ? "fringe" : "noll";
     if (options.columns.empty() && !columns.empty())
       remarks.notes.push_back(file +
                               ": the fields are taken along +y, the preset scan; another one is for --columns to say");
     texts.push_back(columns.empty() ? std::move(text) : with_columns(text, columns, remarks));
   }
   const DesignKind& kind = kind_of(texts.front(), options.kind);
+  const bool has_waves = kind.name == "zernike";
+  require_effect(texts.front().source, {{"--detector", options.fits.detector.has_value()},
+                                        {"--step", !options.fits.step.empty()},
+                                        {"--order", !has_waves && options.reading.order},
+                                        {"--sign", !has_waves && options.reading.sign != 1.0}});
   for (const DesignText& text : texts) {
     static_cast<void>(kind_of(text, std::string(kind.name)));
     remarks.notes.push_back(text.source + ": " + std::string(kind.what) + ", in " + text.encoding +

@@ -2,6 +2,7 @@
 #include "apps/simulate/sensor_image.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "mtf/io/csv/csv_cells.h"
 #include "mtf/version.h"
@@ -23,29 +24,36 @@ std::vector<std::string> cells_of(const Attributes& attributes, const std::strin
 }
 
 /// The place on the ground: the image shares the outer corner of the scene, its steps are `ratio` times as large, and
-/// of it the pixels from `first` on are kept. ENVI counts from 1 at the outer corner of the first pixel.
-void keep_ground(const Attributes& of_scene, std::array<double, 2> ratio, std::array<double, 2> first,
+/// of it the pixels from `first` on are kept. ENVI counts from 1 at the outer corner of the first pixel. False where
+/// the scene has a place that cannot be read.
+bool keep_ground(const Attributes& of_scene, std::array<double, 2> ratio, std::array<double, 2> first,
                  Attributes& text) {
   std::vector<std::string> map = cells_of(of_scene, "map info", ",\n"), grid = cells_of(of_scene, "geotransform", " ");
+  bool is_read = map.size() >= 7 || (map.empty() && (grid.empty() || grid.size() == 6));
+  const auto number = [&](const std::string& cell) {
+    const auto value = cell_number(cell);
+    is_read = is_read && value && std::isfinite(*value);
+    return value.value_or(0.0);
+  };
   if (map.size() >= 7) {
     for (const std::size_t axis : {0U, 1U}) {
-      const auto pixel = cell_number(map[1 + axis]), size = cell_number(map[5 + axis]);
-      if (!pixel || !size) return;
-      map[1 + axis] = mtf::format_double(1.0 + (*pixel - 1.0) / ratio[axis] - first[axis]);
-      map[5 + axis] = mtf::format_double(*size * ratio[axis]);
+      map[1 + axis] = mtf::format_double(1.0 + (number(map[1 + axis]) - 1.0) / ratio[axis] - first[axis]);
+      map[5 + axis] = mtf::format_double(number(map[5 + axis]) * ratio[axis]);
     }
+    if (!is_read) return false;
     text["map info"] = mtf::joined(map);
   } else if (grid.size() == 6) {
     std::array<double, 6> t{};
-    for (std::size_t i = 0; i < 6; ++i)
-      t[i] = cell_number(grid[i]).value_or(0.0) * (i % 3 == 0 ? 1.0 : ratio[i % 3 - 1]);
+    for (std::size_t i = 0; i < 6; ++i) t[i] = number(grid[i]) * (i % 3 == 0 ? 1.0 : ratio[i % 3 - 1]);
+    if (!is_read) return false;
     for (const std::size_t i : {0U, 3U}) t[i] += t[i + 1] * first[0] + t[i + 2] * first[1];
     text["geotransform"] = mtf::joined(t, mtf::format_double, " ");
     if (t[2] == 0.0 && t[4] == 0.0 && t[1] > 0.0 && t[5] < 0.0)
       text["map info"] = "Arbitrary, 1, 1, " + mtf::joined(std::array{t[0], t[3], t[1], -t[5]}, mtf::format_double);
   }
   for (const char* key : {"coordinate system", "coordinate system string"})  // of GDAL, of ENVI
-    if (of_scene.contains(key)) text["coordinate system string"] = of_scene.at(key);
+    if (is_read && of_scene.contains(key)) text["coordinate system string"] = of_scene.at(key);
+  return is_read;
 }
 
 }  // namespace
@@ -77,10 +85,12 @@ Metadata provenance(const SensorConfig& config, const Scene& scene, const mtf::S
   m.lists["mtf:wavelength"].assign(scene.wavelength_um.begin(), scene.wavelength_um.end());
   if (scene.wavelength_um.empty()) m.lists.erase("mtf:wavelength");
   const auto [x, y, width, height] = region.value_or(std::array<std::int64_t, 4>{});
-  keep_ground(scene.info.attributes, {frame.pitch_x_um / scene.grid.step_x_um, frame.pitch_y_um / scene.grid.step_y_um},
-              {static_cast<double>(x), static_cast<double>(y)}, m.text);
+  const bool has_ground = keep_ground(
+      scene.info.attributes, {frame.pitch_x_um / scene.grid.step_x_um, frame.pitch_y_um / scene.grid.step_y_um},
+      {static_cast<double>(x), static_cast<double>(y)}, m.text);
   if (const auto before = scene.info.attributes.find("mtf:history"); before != scene.info.attributes.end())
     m.history.push_back(before->second);
+  if (!has_ground) m.history.emplace_back("mtf simulate: map info of the scene cannot be read and is left out");
   m.history.push_back("mtf simulate: presample OTF, sampling at the pitch" +
                       std::string(plan.post ? ", readout and postsample filters" : ""));
   return m;

@@ -62,6 +62,8 @@ TEST(ConfigImport, SeveralFieldsAreATable) {
   write_file(scratch / "b.txt", listing("0.0, 7.0", "Z 4 0.2 :\nZ 5 0 :\nZ 6 0.1 :\n"));
   expect_says(scratch.run("mtf config import a.txt b.txt").err,
               {"warning", "no axis", "0.0408 waves"});  // 0.1 / sqrt(6)
+  expect_error(scratch.run("mtf config import b.txt b.txt"), 2, {"rows 1 and 2"});
+  expect_error(scratch.run("mtf config import a.txt b.txt --step '2 um'"), 2, {"--step", "leave it out"});
   write_file(scratch / "b.txt", replaced(listing("0.0, 7.0", "Z 4 0.2 :\n"), "0.5500", "0.6500"));
   expect_error(scratch.run("mtf config import a.txt b.txt"), 2, {"wavelengths"});
 }
@@ -80,7 +82,7 @@ TEST(ConfigImport, PsfThatIsCutOffIsWarnedOf) {
   write_file(scratch / "psf.txt", grid(1.5));
   const Result whole = scratch.run("mtf config import psf.txt");
   ASSERT_EQ(whole.status, 0) << whole.err;
-  expect_says(whole.out, {"kind = \"psf\"", "step = \"0.5 um\"", "samples = [[0.0, 0.0"});
+  expect_says(whole.out, {"kind = \"psf\"", "step = \"0.5 um\"", "samples = [[0.0,0.0"});
   EXPECT_FALSE(says(whole.err, "warning")) << whole.err;
   write_file(scratch / "psf.txt", grid(2.3));
   expect_says(scratch.run("mtf config import psf.txt").err, {"warning", "beyond them lies"});
@@ -97,6 +99,15 @@ TEST(ConfigImport, MtfAgainstFieldIsOneOfItsRows) {
               {"axis = \"y\"\npart = \"optics\"\nfile = \"\"\"\nfrequency_cy_mm,mtf\n0,1\n10,0.7\n20,0.4\n",
                "0,1\n10,0.8\n20,0.6\n"});
   expect_error(scratch.run(import + "'y (deg), " + cuts), 2, {"x (deg), y (deg)"});
+  expect_error(scratch.run(import + "'x (deg) = 0, y (deg), " + cuts + " --sign minus"), 2, {"--sign", "leave it out"});
+  // Against frequency; lines between that are no rows end nothing, and lines are counted as in the file.
+  write_file(scratch / "m.txt", "0 1 1\n10 0.7 0.8\nPage 2\n20 0.4 0.6\n*** 0.3 0.5\n");
+  const std::string read = "mtf config import m.txt --columns 'frequency (cy/mm), tangential, sagittal'";
+  const Result curve = scratch.run(read);
+  expect_says(curve.out, {"0,1\n10,0.7\n20,0.4\n"});
+  expect_says(curve.err, {"left out: 5"});
+  write_file(scratch / "m.txt", "0 1 1\n10 0.7 0.8\n20 0.4 0.6\n50 0.4 0.6\n");
+  expect_error(scratch.run(read), 2, {"m.txt:1:"});
 }
 
 TEST(ConfigImport, MtfIsTwoCuts) {
@@ -133,8 +144,11 @@ TEST(ConfigImport, CoefficientsAgainstFieldAreATable) {
   write_file(scratch / "bare.txt", "a title of 2 words\n" + rows);
   const std::string columns = " --order fringe --columns 'x (deg) = 0, y (deg), wavelength (um) = 0.55, Z1-Z5 (waves)'";
   EXPECT_EQ(table(scratch.run("mtf config import bare.txt" + columns)), one_by_one);
-  write_file(scratch / "bare.txt", head + rows);
-  expect_error(scratch.run("mtf config import bare.txt"), 2, {"bare.txt:1:", "unit", "--columns"});
+  write_file(scratch / "bare.txt", "Zernike\n" + head + rows);
+  expect_error(scratch.run("mtf config import bare.txt"), 2, {"bare.txt:2:", "unit", "--columns"});
+  write_file(scratch / "noll.txt", replaced(read_file(scratch / "z.txt"), "Fringe", "Standard"));
+  expect_error(scratch.run("mtf config import z.txt noll.txt"), 2, {"noll.txt", "another order"});
+  expect_error(scratch.run("mtf config import z.txt --order noll"), 2, {"z.txt", "Fringe", "leave --order out"});
   expect_error(scratch.run("mtf config import bare.txt --columns 'x (deg), y (deg)'"), 2, {"2 numbers"});
 }
 

@@ -281,6 +281,15 @@ TEST(FitCommand, CurvesInJson) {
   EXPECT_EQ(jitter("--curve a.json"), jitter("--curve a.csv --curve a.csv"));
   write_file(scratch / "bad.json", Json{{"freq", frequencies}, {"MTF", values}}.dump());
   expect_error(scratch.run("mtf fit demo/fit.toml --curve bad.json"), 2, {"bad.json", "no unit"});
+  EXPECT_EQ(jitter("--curve bad.json --curve-unit cy/px"), jitter("--curve a.csv"));
+  const auto refused = [&](const std::string& text, std::initializer_list<std::string_view> parts) {
+    write_file(scratch / "bad.json", text);
+    expect_error(scratch.run("mtf fit demo/fit.toml --curve bad.json"), 2, parts);
+  };
+  refused(R"({"a;b": [1, 2], "Cy/Pxl": [0.1, 0.2], "MTF_G": [0.9, 0.7], "MTF_Y": [0.9, null]})",
+          {"bad.json: $", "element 1", "null"});
+  refused(R"({"Cy/Pxl": [0.2, 0.1], "MTF": [0.9, 0.7]})", {"element 1", "increase"});
+  refused(R"({"Cy/Pxl": [0.2, 0.1)", {"bad.json", "no JSON", "line 1"});
   write_file(scratch / "bad.json", R"({"mtf50": 0.2})");
   expect_error(scratch.run("mtf fit demo/fit.toml --curve bad.json"), 2, {"bad.json", "frequency_cy_px"});
 }

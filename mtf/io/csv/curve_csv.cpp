@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
@@ -127,7 +128,7 @@ struct Table {
   std::vector<std::string> where;
 
   std::optional<std::size_t> column(std::string_view name) const {
-    const auto at = std::find(header.begin(), header.end(), name);
+    const auto at = std::ranges::find(header, name, plain_words);
     return at == header.end() ? std::nullopt : std::optional(static_cast<std::size_t>(at - header.begin()));
   }
 };
@@ -318,22 +319,36 @@ std::vector<std::size_t> foremost(const std::vector<std::string>& cells, int (*r
 }
 
 struct InstrumentTable {
-  std::string csv;     ///< frequency and MTF, on the lines where they stood; all other lines are comments
+  std::string csv;     ///< frequency, MTF and sd, on the lines where they stood; all other lines are comments
   std::string column;  ///< whose MTF is taken
 };
+
+/// Whether a row of cells ends the table: blank, or the name of what follows stands in place of the frequency. A value
+/// without its frequency does not.
+bool ends_table(const std::vector<std::string>& cells, std::size_t frequency, std::size_t value) {
+  const std::string& cell = cells[frequency < cells.size() ? frequency : 0];
+  if (cell.empty()) return value >= cells.size() || !cell_number(cells[value]);
+  return !cell_number(cell) && std::isalpha(static_cast<unsigned char>(cell[0]));
+}
 
 /// Of a file that other instruments write, whose columns it chooses; nothing where the text is none.
 std::optional<InstrumentTable> instrument_table(std::string_view text, const std::string& source) {
   InstrumentTable table;
-  std::vector<std::size_t> frequency, value;
+  std::vector<std::size_t> frequency, value, chosen;
+  std::size_t count = 0;  // of the columns
   bool first = true;
   for (std::size_t line = 1; !text.empty(); ++line, table.csv += '\n') {
     const std::string_view row = take_text_line(text);
     if (table.column.empty() && (is_comment(row) || cell_number(row.substr(0, 1)))) continue;  // numbers are no header
     const std::vector<std::string> cells = quoted_cells(row);
     if (!table.column.empty()) {
-      if (std::max(frequency[0], value[0]) >= cells.size() || !cell_number(cells[frequency[0]])) break;
-      table.csv += cells[frequency[0]] + "," + cells[value[0]];
+      if (ends_table(cells, frequency[0], value[0])) break;
+      std::string kept;
+      for (const std::size_t i : chosen)
+        if (i < cells.size()) kept += (i == chosen[0] ? "" : ",") + cells[i];
+      for (std::size_t i = count; i < cells.size(); ++i)
+        if (!cells[i].empty()) kept += "," + cells[i];  // too many: refused there
+      table.csv += kept;
       continue;
     }
     frequency = foremost(cells, frequency_rank);
@@ -347,8 +362,16 @@ std::optional<InstrumentTable> instrument_table(std::string_view text, const std
       throw UsageError(source + ":" + std::to_string(line) + ": columns " +
                        joined(value, [&](std::size_t i) { return printable(cells[i], 20); }) +
                        " and none of the luminance; leave the one to be fitted");
+    count = cells.size();
+    chosen = {frequency[0], value[0]};
     table.column = printable(cells[value[0]], 20);
-    table.csv += cells[frequency[0]] + ",mtf";
+    table.csv += cells[frequency[0]];
+    std::ranges::replace(table.csv, ',', ' ');
+    table.csv += ",mtf";
+    for (std::size_t i = 0; i < count && chosen.size() == 2; ++i)
+      if (const std::string name = plain_words(cells[i]);
+          name == "sd" || name == "mtf_sd" || name == plain_words(table.column) + "_sd")
+        chosen.push_back(i), table.csv += ",sd";
   }
   return table.column.empty() ? std::nullopt : std::optional(std::move(table));
 }
@@ -386,18 +409,11 @@ std::vector<CurveSamples> parse_curve_samples(std::string_view text, const std::
   text = without_mark(text);
   const std::size_t mapper = mtf_mapper_columns(text);
   const auto instrument = mapper > 0 ? std::nullopt : instrument_table(text, source);
-  const Table table = mapper > 0 || instrument ? Table{} : split(text, source);
+  if (instrument) text = instrument->csv;
+  const Table table = mapper > 0 ? Table{} : split(text, source);
   std::vector<CurveSamples> curves;
   if (mapper > 0) {
     curves = mtf_mapper_curves(text, mapper, source);
-  } else if (instrument) {
-    const Curve curve = parse_curve_csv(instrument->csv, source);
-    const auto skip = static_cast<std::ptrdiff_t>(curve.frequency.front() == 0.0);  // where it is 1 by definition
-    curves.push_back({.name = "column " + instrument->column,
-                      .unit = curve.unit,
-                      .frequency = {curve.frequency.begin() + skip, curve.frequency.end()},
-                      .mtf = {curve.value.begin() + skip, curve.value.end()},
-                      .sd = {}});
   } else if (const auto kind = table.column("curve");
              kind && table.column("edge") && table.column("x") && table.column("value") && table.column("sd")) {
     curves = measured_curves(table, *kind);
@@ -423,7 +439,11 @@ std::vector<CurveSamples> parse_curve_samples(std::string_view text, const std::
       std::vector<double> errors;
       for (std::size_t i = 0; i < table.rows.size(); ++i) errors.push_back(sd_of(table, i, *sd));
       add_sd(one, errors);
+    } else if (instrument && one.frequency.front() == 0.0) {  // where it is 1 by definition
+      one.frequency.erase(one.frequency.begin());
+      one.mtf.erase(one.mtf.begin());
     }
+    if (instrument) one.name = "column " + instrument->column;
   }
   std::erase_if(curves, [](const CurveSamples& curve) { return curve.frequency.empty(); });
   if (curves.empty())

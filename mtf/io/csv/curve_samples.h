@@ -11,7 +11,7 @@
 //   MTF Mapper's edge_sfr_values.txt  one of each edge, in cy/px; edges of all directions stand in it
 //   sfrmat4 and 5, Imatest (_MTF.csv)  a table below other lines, of a frequency and SFR or MTF columns, one a colour:
 //       Frequency, cy/pixel | SFR-r | SFR-g | SFR-b | Lum          Cy/mm | LW/PH | MTF | MTF(R) ...
-//       what is called MTF or SFR is taken, else the luminance; cy/px where it is there
+//       what is called MTF or SFR is taken, else the luminance; cy/px where it is there; the column sd
 
 #include <string>
 #include <string_view>

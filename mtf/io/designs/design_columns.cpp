@@ -28,21 +28,10 @@ std::vector<std::string> named(std::string_view word) {
   return names;
 }
 
-/// The numbers of a line that has nothing else.
-std::vector<double> only_numbers(std::string line, bool decimal_comma) {
-  std::vector<double> row;
-  if (!decimal_comma) std::ranges::replace(line, ',', ' ');
-  for (const std::string& word : design_words(line)) {
-    const std::optional<double> value = design_number(word);
-    if (!value || !std::isfinite(*value)) return {};
-    row.push_back(*value);
-  }
-  return row;
-}
-
 }  // namespace
 
 std::string field_scan_columns(const DesignText& text) {
+  if (!text.has("Zernike")) return "";
   std::string unit, wavelength;
   for (std::size_t i = 0; i < text.lines.size(); ++i) {
     const std::string line = lower_case(trimmed(text.lines[i]));
@@ -81,7 +70,11 @@ DesignText with_columns(const DesignText& text, const std::string& columns, Desi
   // Of a row.
   const auto numbers =
       static_cast<std::size_t>(std::ranges::count_if(slots, [](const Slot& slot) { return !slot.constant; }));
-  DesignText table{.source = text.source, .encoding = text.encoding, .lines = {}, .decimal_comma = text.decimal_comma};
+  DesignText table{.source = text.source,
+                   .encoding = text.encoding,
+                   .lines = {},
+                   .decimal_comma = text.decimal_comma,
+                   .order = text.order};
   std::size_t rows = 0, first = 0;
   std::vector<std::string> left_out;
   for (std::size_t i = 0; i < text.lines.size(); ++i) {
@@ -95,20 +88,23 @@ DesignText with_columns(const DesignText& text, const std::string& columns, Desi
         const double value = slot.constant ? *slot.constant : *number++;
         if (slot.name != "-") append_word(line, number_text(value), ';');
       }
-    } else if (const auto words = design_words(text.lines[i]); !words.empty() && design_number(words[0])) {
+    } else if (const auto words = design_words(text.lines[i]);
+               !words.empty() &&
+               words[0].find_first_of("0123456789*") == std::min(words[0].find_first_not_of("+-.,"), words[0].size())) {
       left_out.push_back(std::to_string(i + 1));
     }
   }
   if (rows == 0)
     throw UsageError(text.source + ": no line has the " + plural(static_cast<std::int64_t>(numbers), "number") +
-                     " that --columns names");
+                     " that --columns names; name all of a line, - for those that are left out" +
+                     (text.decimal_comma ? " (a comma is the decimal point here)" : ""));
   std::string header;
   for (const Slot& slot : slots)
     if (slot.name != "-") append_word(header, slot.name, ';');
   if (first > 0)
     table.lines[first - 1] = header;
   else
-    table.lines.insert(table.lines.begin(), header);
+    table.lines.insert(table.lines.begin(), header), table.first_line = 0;
   remarks.notes.push_back(
       text.source + ": " + plural(static_cast<std::int64_t>(rows), "row") + " of the columns " + columns +
       (left_out.empty() ? "" : "; lines of other numbers, left out: " + printable(joined(left_out), 60)));

@@ -96,6 +96,17 @@ std::vector<double> design_row(std::string_view line, const std::string& where) 
   return row;
 }
 
+std::vector<double> only_numbers(std::string line, bool decimal_comma) {
+  std::vector<double> row;
+  if (!decimal_comma) std::ranges::replace(line, ',', ' ');
+  for (const std::string& word : design_words(line)) {
+    const std::optional<double> value = design_number(word);
+    if (!value || !std::isfinite(*value)) return {};
+    row.push_back(*value);
+  }
+  return row;
+}
+
 std::optional<double> design_length_um(std::string_view line) {
   const std::vector<std::string> words = design_words(line);
   for (std::size_t i = 0; i + 1 < words.size(); ++i) {

@@ -5,6 +5,7 @@
 // without a byte order mark, with LF or CRLF, and with a decimal comma where the machine that wrote it has one. The
 // readers of listings see lines of UTF-8, words and numbers.
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -17,9 +18,13 @@ struct DesignText {
   std::string encoding;            ///< "UTF-8", "UTF-16" or "Latin-1"
   std::vector<std::string> lines;  ///< without their ends
   bool decimal_comma = false;      ///< a number is written 0,5
+  std::size_t first_line = 1;      ///< number of lines[0] in the file
 
+  std::optional<std::string> order{};  ///< of Zernike terms, "noll" or "fringe", where a title says it
   /// "lens.txt:12: "
-  std::string where(std::size_t line) const { return source + ":" + std::to_string(line + 1) + ": "; }
+  std::string where(std::size_t line) const {
+    return source + ":" + std::to_string(std::max<std::size_t>(line + first_line, 1)) + ": ";
+  }
   /// The first line from `from` on that has the words, in any case; lines.size() for none.
   std::size_t find(std::string_view words, std::size_t from = 0) const;
   bool has(std::string_view words) const { return find(words) < lines.size(); }
@@ -42,6 +47,9 @@ std::optional<double> design_length_um(std::string_view line);
 /// All numbers of a row; empty for a line that starts with a word. Throws UsageError with `where` for a row whose first
 /// cell is a number and one of whose other cells is not a finite number.
 std::vector<double> design_row(std::string_view line, const std::string& where);
+
+/// The numbers of a line that has nothing else, else none.
+std::vector<double> only_numbers(std::string line, bool decimal_comma);
 
 /// A place in the field of view, "(0.0000, 7.0000) deg"; a number alone lies along y.
 struct DesignField {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 
 #include "mtf/error.h"
@@ -44,8 +45,16 @@ struct MtfHeader {
 std::string frequency_unit(std::string_view line) {
   const std::string words = lower_case(line);
   const auto has = [&](std::string_view word) { return words.find(word) != std::string::npos; };
-  if (has("cycles per mrad") || has("cycles per milliradian") || has("cy/mrad")) return "cy/mrad";
+  if (has("cycles per mrad") || has("cycles/mrad") || has("cycles per milliradian") || has("cy/mrad")) return "cy/mrad";
   return has("cycles per mm") || has("cycles/mm") || has("cy/mm") || has("lp/mm") || has("l/mm") ? "cy/mm" : "";
+}
+
+/// All frequencies of a file have one unit.
+void set_unit(MtfListing& listing, const std::string& unit, const std::string& where) {
+  if (!listing.unit.empty() && unit != listing.unit)
+    throw UsageError(where + "frequencies in " + (unit.empty() ? "another unit" : unit) + ", and those above in " +
+                     listing.unit + "; export all in one unit, or each to a file");
+  listing.unit = unit;
 }
 
 /// Which pair of columns is that of the nominal focus, by the line of focus positions above the header.
@@ -66,13 +75,14 @@ std::size_t nominal_pair(const DesignText& text, std::size_t header, std::size_t
   return pairs - focus.size() + place;
 }
 
-void check_mtf(const MtfField& field, const std::string& where) {
+/// Rows of a listing are `even` steps apart.
+void check_mtf(const MtfField& field, bool even, const std::string& where) {
   if (field.frequency.size() < 3) throw UsageError(where + "fewer than three rows of an MTF; export it anew");
   double least = field.frequency[1] - field.frequency[0];
   for (std::size_t i = 1; i < field.frequency.size(); ++i) {
     const double step = field.frequency[i] - field.frequency[i - 1];
     least = std::min(least, step);
-    if (step <= 0.0 || step > 1.5 * least)
+    if (step <= 0.0 || (even && step > 1.5 * least))
       throw UsageError(where + "frequency " + format_double(field.frequency[i]) + " follows " +
                        format_double(field.frequency[i - 1]) + ": rows are missing or out of order; export it anew");
   }
@@ -101,7 +111,7 @@ void read_places(const DesignText& text, const DesignReading& reading, MtfListin
         throw UsageError(where + "\"" + printable(cells[i], 40) + "\" cannot stand here; " + remedy);
       if (i == 0) place_unit = words[1];
       if (i < 2) continue;
-      listing.unit = frequency_unit(cells[i]);
+      set_unit(listing, frequency_unit(cells[i]), where);
       frequencies[name.starts_with("tan") ? 0 : 1].push_back(*frequency);
       columns[name.starts_with("tan") ? 0 : 1].push_back(i);
     }
@@ -116,7 +126,7 @@ void read_places(const DesignText& text, const DesignReading& reading, MtfListin
     field.frequency.insert(field.frequency.end(), frequencies[0].begin(), frequencies[0].end());
     for (const std::size_t i : columns[0]) field.tangential.push_back(table.column[i][row]);
     for (const std::size_t i : columns[1]) field.sagittal.push_back(table.column[i][row]);
-    check_mtf(field, text.where(table.line[row] - 1));
+    check_mtf(field, false, text.where(table.line[row] - 1));
     listing.fields.push_back(std::move(field));
   }
 }
@@ -131,12 +141,14 @@ MtfListing read_mtf_listing(const DesignText& text, const DesignReading& reading
   MtfListing listing;
   std::optional<DesignField> place;
   bool is_limit = false;
+  std::size_t cells = 0;  // of a row
   const bool of_places = is_of_places(text);
   if (of_places) read_places(text, reading, listing);
   for (std::size_t i = 0; i < text.lines.size() && !of_places; ++i) {
     const std::string& line = text.lines[i];
     const std::string words = lower_case(trimmed(line));
-    if (const std::string unit = frequency_unit(line); !unit.empty()) listing.unit = unit;
+    if (const std::string unit = frequency_unit(line); !unit.empty() || words.find("frequency units") < words.size())
+      set_unit(listing, unit, text.where(i));
     if (words.starts_with("field")) {
       const std::size_t normalised = line.find("MAX");  // CODE V has the place in parts of the field before it
       place = design_field(normalised == std::string::npos ? line : line.substr(normalised + 3));
@@ -147,19 +159,30 @@ MtfListing read_mtf_listing(const DesignText& text, const DesignReading& reading
       listing.remarks.notes.push_back(text.where(i) + printable(trimmed(line), 40) +
                                       ": belongs to [vignetting], not here");
     const MtfHeader header(line);
-    if (!header.is()) continue;
+    if (!header.is()) {
+      if (cells > 0 && only_numbers(line, text.decimal_comma).size() == cells)
+        throw UsageError(text.where(i) + "a row of an MTF without the names of its columns above; export it anew");
+      continue;
+    }
     if (listing.unit.empty())
       throw UsageError(text.where(i) + "the unit of the frequencies is missing; a line says cycles per mm, or L/MM");
     const std::size_t pair = nominal_pair(text, i, header.tangential.size(), listing.remarks);
     const std::size_t t = header.tangential[pair], s = header.sagittal[pair];
     MtfField field{.place = place};
-    std::size_t cells = 0, end = i + 1;
+    std::size_t end = i + 1;
     for (; end < text.lines.size(); ++end) {
       std::string row_text = text.lines[end];
       if (!text.decimal_comma) std::ranges::replace(row_text, ',', ' ');
       const std::vector<double> row = design_row(row_text, text.where(end));
-      if (row.empty() && field.frequency.empty()) continue;
-      if (row.empty()) break;
+      if (row.empty()) {  // blanks, rules and comments, as of a new page, end no table
+        const std::size_t first = std::min(row_text.find_first_not_of(" \t-=_"), row_text.size());
+        const char c = first < row_text.size() ? row_text[first] : '#';
+        if (c == '*' || c == '?' || std::isdigit(static_cast<unsigned char>(c)))
+          throw UsageError(text.where(end) + "\"" + printable(trimmed(row_text), 40) +
+                           "\" is no row of numbers; export the listing anew");
+        if (c == '#' || (field.frequency.empty() && !lower_case(trimmed(row_text)).starts_with("field"))) continue;
+        break;
+      }
       if (field.frequency.empty()) cells = row.size();
       if (row.size() != cells || cells <= std::max({t, s, header.tangential.front()}))
         throw UsageError(text.where(end) + std::to_string(row.size()) +
@@ -169,7 +192,7 @@ MtfListing read_mtf_listing(const DesignText& text, const DesignReading& reading
       field.tangential.push_back(row[cells - t]);
       field.sagittal.push_back(row[cells - s]);
     }
-    check_mtf(field, text.where(i));
+    check_mtf(field, true, text.where(i));
     for (std::vector<double>* cut : {&field.tangential, &field.sagittal})
       if (field.frequency[0] == 0.0 && std::abs(cut->front() - 1.0) <= kThreeDigits) cut->front() = 1.0;
     if (!is_limit) listing.fields.push_back(std::move(field));

@@ -106,6 +106,18 @@ void compare_rms(const DesignText& text, std::vector<double> waves, ZernikeListi
         "wavefront: [optics] needs the lens's obscuration; vignetting is not in this component");
 }
 
+/// As the file states it, else as --order does.
+ZernikeNumbering order_of(const std::optional<std::string>& stated, const DesignReading& reading,
+                          const std::string& where) {
+  if (!stated && !reading.order)
+    throw UsageError(where + "a table does not say its order of terms; give --order noll or --order fringe");
+  const std::string& order = stated ? *stated : *reading.order;
+  if (order != reading.order.value_or(order))
+    throw UsageError(where + "--order " + *reading.order + ", but the file says " +
+                     (order == "fringe" ? "Fringe" : "Standard") + "; leave --order out");
+  return order == "noll" ? ZernikeNumbering::noll : ZernikeNumbering::fringe;
+}
+
 ZernikeListing read_opticstudio(const DesignText& text, const DesignReading& reading) {
   const std::size_t title = text.find("Listing of Zernike");
   const std::string kind = lower_case(text.lines[title]);
@@ -114,14 +126,15 @@ ZernikeListing read_opticstudio(const DesignText& text, const DesignReading& rea
     throw UsageError(
         text.where(title) + "\"" + printable(text.lines[title], 80) +
         "\" is not read; export Zernike Standard coefficients of the field: their sum is the same wavefront");
-  ZernikeListing listing{.numbering = fringe ? ZernikeNumbering::fringe : ZernikeNumbering::noll};
-  if (reading.order && (*reading.order == "fringe") != fringe)
-    throw UsageError(text.where(title) + "--order " + *reading.order + ", but the file says " +
-                     (fringe ? "Fringe" : "Standard") + "; leave --order out");
+  ZernikeListing listing{.numbering = order_of(fringe ? "fringe" : "noll", reading, text.where(title))};
   ZernikeField field;
   for (std::size_t i = title; i < text.lines.size(); ++i) {
-    const std::vector<std::string> words = design_words(text.lines[i]);
+    std::vector<std::string> words = design_words(text.lines[i]);
     if (words.empty()) continue;
+    if (words[0].size() > 1 && words[0][0] == 'Z' && std::isdigit(static_cast<unsigned char>(words[0][1]))) {
+      words.insert(words.begin() + 1, words[0].substr(1));  // "Z10" without a blank
+      words[0] = "Z";
+    }
     if (words[0] == "Field") field.place = design_field(text.lines[i]);
     if (words[0] == "Wavelength") field.wavelength_um = design_length_um(text.lines[i]).value_or(0.0);
     if (words[0] != "Z") continue;
@@ -164,9 +177,7 @@ std::string table_text(const DesignText& text) {
 }
 
 ZernikeListing read_zernike_table(const DesignText& text, const DesignReading& reading) {
-  if (!reading.order)
-    throw UsageError(text.source + ": a table does not say its order of terms; give --order noll or --order fringe");
-  ZernikeListing listing{.numbering = *reading.order == "noll" ? ZernikeNumbering::noll : ZernikeNumbering::fringe};
+  ZernikeListing listing{.numbering = order_of(text.order, reading, text.source + ": ")};
   std::vector<int> terms;  // of the columns after those of the wavelength and the place
   std::string place_unit, left_out;
   double to_um = 0.0;
@@ -214,7 +225,8 @@ ZernikeListing read_zernike_table(const DesignText& text, const DesignReading& r
     take(listing, std::move(field), reading, text.where(table.line[row] - 1));
   }
   listing.remarks.notes.push_back(text.source + ": order of the terms: " + numbering_text(listing.numbering) +
-                                  ", as --order or the title says; taken as terms of the full disc" +
+                                  (text.order ? ", as the title says" : ", as --order says") +
+                                  "; taken as terms of the full disc" +
                                   (left_out.empty() ? "" : "; columns left out: " + printable(left_out)));
   return listing;
 }

@@ -31,6 +31,12 @@ TEST(CurveSamples, WithAndWithoutDeviations) {
   EXPECT_EQ(weighted[0].sd, (std::vector{0.01, 0.02}));
 }
 
+TEST(CurveSamples, DeviationsOfInstruments) {
+  for (const char* text : {"frequency_cy_px,sfr,sd\n0.1,0.9,0.02\n", "Bench 3\nfrequency_cy_px,mtf,SD\n0.1,0.9,0.02\n",
+                           "Cy/mm,Cy/Pxl,MTF(Y),MTF(Y) sd\n10,0.1,0.9,0.02\n"})
+    EXPECT_EQ(parse_curve_samples(text, "c.csv").at(0).sd, std::vector{0.02}) << text;
+}
+
 TEST(CurveSamples, OfTheCurveCommand) {
   const auto real = parse_curve_samples("frequency,jitter,presample,system\n0,1,1,1\n10,0.9,0.9,-0.8\n", "c.csv",
                                         mtf::find_unit("cy/mm"));
@@ -122,6 +128,8 @@ TEST(CurveSamples, OfImatest) {
   EXPECT_EQ(selected.at(0).name, "column MTF");
   EXPECT_EQ(selected[0].unit->name, "cy/px");
   EXPECT_EQ(selected[0].frequency, std::vector{0.025});
+  for (const char* row : {"0.05x,0.7", "\"0,05\",0.7", "0,05,0.7", ",0.7", "0.05", "nan,0.7"})
+    EXPECT_TRUE(says(refusal(head + "Cy/Pxl,MTF(Y)\n0.025,0.85\n" + row + "\n0.1,0.5\n"), "c.csv:6:")) << row;
   expect_says(refusal(head + "LW/PH,MTF\n120,0.85\n"), {"c.csv:4:", "frequency_cy_px"});
 }
 

@@ -239,6 +239,8 @@ TEST(Designs, ZernikeListingsThatAreRefused) {
   refused("Standard", "Annular", {"z.txt:1:", "Zernike Standard"});
   refused("0.25", "nan", {"z.txt:11:", "Z4", "finite"});
   refused("Z   4", "Z   6", {"z.txt:11:", "Z4", "missing"});
+  EXPECT_EQ(zernike(replaced(text, "Z   5", "Z5")).fields[0].waves.size(), 5U);  // as Z10 has no blank in some
+  refused("Z   5", "Z6", {"z.txt:12:", "Z5", "missing"});
   refused("\xC2\xB5m", "", {"wavelength", "unit"});
   refused("0.25", "12.5", {"Z4", "refocus", "at most 10"});
   expect_refused({"--order fringe", "Standard"}, [&] { zernike(text, {.order = "fringe"}); });
@@ -320,8 +322,20 @@ TEST(Designs, MtfTextOfOpticStudioAndTables) {
   ASSERT_EQ(listing.fields.size(), 1U);
   EXPECT_EQ(listing.fields[0].tangential, (std::vector<double>{1.0, 0.71, 0.512}));
   EXPECT_EQ(listing.fields[0].place->text(), "(0, -14) deg");
+  const std::string head = "Spatial frequency units are cycles per mm.\nField: 0, 14 (deg)\n";
+  EXPECT_EQ(mtf_of(head + replaced(rows, " 20,0", "\n# page 2\n 20,0")).fields.at(0).tangential,
+            listing.fields[0].tangential);
+  expect_refused({"mtf.txt:6:", "***"}, [&] { mtf_of(head + replaced(rows, "20,000000", "***")); });
+  expect_refused({"mtf.txt:9:", "columns above"}, [&] { mtf_of(head + rows + "Page 2\n 30 0,4 0,5\n"); });
+  for (const char* unit : {"mrad", "cycle"})
+    expect_refused({"mtf.txt:8:", "cy/mm"}, [&] { mtf_of(head + rows + replaced(head, "mm", unit) + rows); });
   const MtfListing table = mtf_of("frequency (cy/mm),sagittal,tangential\n0,1,1\n10,0.815,0.71\n20,0.614,0.512\n");
   EXPECT_EQ(table.fields.at(0).tangential, listing.fields[0].tangential);
+  const std::string places =
+      "x (deg),y (deg),tangential (10 cy/mm),sagittal (10 cy/mm),tangential (30 cy/mm),sagittal (30 cy/mm)\n"
+      "0,14,0.71,0.815,0.3,0.4\n";
+  EXPECT_EQ(mtf_of(places).fields.at(0).frequency, (std::vector<double>{0.0, 10.0, 30.0}));
+  expect_refused({"mtf.txt:1:", "cy/mm"}, [&] { mtf_of(replaced(places, "(30 cy/mm)", "(30 cy/mrad)")); });
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "mtf/error.h"
+#include "mtf/io/designs/psf_fits.h"
 #include "mtf/io/image_io.h"
 #include "tests/expect_error.h"
 #include "tests/mtf/io/io_test_files.h"
@@ -20,6 +21,10 @@ std::string header_of(const Cards& cards) {
   return text;
 }
 
+Cards image(const std::string& bits, const std::string& columns, const std::string& rows) {
+  return {{"SIMPLE", "T"}, {"BITPIX", bits}, {"NAXIS", "2"}, {"NAXIS1", columns}, {"NAXIS2", rows}};
+}
+
 TEST(Fits, FilesThatCannotBeReadSayWhy) {
   const io_test::TempFolder folder;
   const std::string path = folder / "a.fits";
@@ -29,9 +34,6 @@ TEST(Fits, FilesThatCannotBeReadSayWhy) {
     expect_refused<mtf::RuntimeError>(parts, [&] { mtf::io::read_image(path); });
   };
   const std::string data(2880, '\0');
-  const auto image = [](const std::string& bits, const std::string& columns, const std::string& rows) {
-    return Cards{{"SIMPLE", "T"}, {"BITPIX", bits}, {"NAXIS", "2"}, {"NAXIS1", columns}, {"NAXIS2", rows}};
-  };
   io_test::write_bytes(path, header_of(image("16", "36", "40")) + data);
   EXPECT_EQ(mtf::io::read_info(path).height, 40);
   refused(header_of(image("16", "36", "40")) + data.substr(1), {"a.fits", "unit 0", "5759", "cut off"});
@@ -50,6 +52,58 @@ TEST(Fits, FilesThatCannotBeReadSayWhy) {
   refused(empty + header_of(table) + data, {"compressed", "funpack"});
   io_test::write_bytes(path, header_of(image("16", "36", "40")) + data + header_of(table) + data);
   EXPECT_TRUE(says(mtf::io::read_info(path).notes, "1 compressed image"));
+}
+
+// Headers as STPSF writes them: with use_detsampled_psf OVERSAMP is 1 and DET_SAMP stays at 4.
+TEST(Fits, PointSpreadsOfStpsf) {
+  const io_test::TempFolder folder;
+  const std::string path = folder / "a.fits", light(2880, '\1');
+  Cards grid = image("8", "3", "3"), single = grid, distorted = grid, cube = image("8", "1", "1");
+  for (const auto& [key, value] : Cards{{"OVERSAMP", "1"}, {"DET_SAMP", "4"}, {"DET_YX0", "'(1, 2)'"}})
+    grid.emplace_back(key, value);
+  const auto read = [&](const std::string& bytes, std::array<int, 2> detector = {4, 4}) {
+    io_test::write_bytes(path, bytes);
+    return mtf::io::read_psf_fits(path, {.detector = detector});
+  };
+  const mtf::io::PsfFits sampled = read(header_of(grid) + light);
+  EXPECT_EQ(sampled.step, "1 px");
+  EXPECT_EQ(sampled.planes.at(0).place->text(), "(2.5, 2.5) px");
+  expect_refused({"(2.5, 0.5) px", "--detector 2x2"}, [&] { read(header_of(grid) + light, {2, 2}); });
+  single.emplace_back("EXTNAME", "'DET_SAMP'");
+  distorted[0] = {"XTENSION", "'IMAGE'"};
+  distorted.insert(distorted.end(), {{"EXTNAME", "'DET_DIST'"}, {"PIXELSCL", "0.5"}});
+  const mtf::io::PsfFits binned = read(header_of(single) + light + header_of(distorted) + light);
+  EXPECT_EQ(binned.step, "0.5 arcsec");
+  EXPECT_TRUE(says(binned.remarks.notes, "in DET_DIST"));
+  EXPECT_TRUE(says(binned.remarks.warnings, "footprint"));
+  cube.insert(cube.end(), {{"NAXIS3", "101"}, {"PIXELSCL", "1"}, {"WVLN0100", "2E-6"}});
+  cube[2].second = "3";
+  EXPECT_EQ(read(header_of(cube) + light).planes.at(100).label, "2 um");
+  cube[5].second = "4097";
+  expect_refused({"4097 planes", "4096"}, [&] { read(header_of(cube) + light + light); });
+  expect_refused({"300 samples", "257"}, [&] { read(header_of(image("8", "300", "1")) + light); });
+}
+
+// The centre of an even number of samples is the one behind the middle, from the lower left corner on.
+TEST(Fits, PointSpreadsOfPsfex) {
+  const io_test::TempFolder folder;
+  const std::string path = folder / "a.psf";
+  Cards cards{{"XTENSION", "'BINTABLE'"}, {"BITPIX", "8"},     {"NAXIS", "2"},
+              {"NAXIS1", "64"},           {"NAXIS2", "1"},     {"EXTNAME", "'PSF_DATA'"},
+              {"TTYPE1", "'PSF_MASK'"},   {"TFORM1", "'16E'"}, {"PSFNAXIS", "3"},
+              {"PSFAXIS1", "4"},          {"PSFAXIS2", "4"},   {"PSFAXIS3", "1"}};
+  std::string data(2880, '\0');
+  data.replace(4 * (2 * 4 + 2), 2, "\x3F\x80");  // 1.0 at column 2, row 2
+  const std::string empty = header_of({{"SIMPLE", "T"}, {"BITPIX", "8"}, {"NAXIS", "0"}});
+  for (const bool y_up : {true, false}) {
+    io_test::write_bytes(path, empty + header_of(cards) + data);
+    const mtf::io::PsfFits psf = mtf::io::read_psf_fits(path, {.y_up = y_up});
+    EXPECT_EQ(psf.planes.at(0).samples.at(2, 2), 1.0F) << y_up;
+    EXPECT_FALSE(says(psf.remarks.notes, "half a step"));
+  }
+  cards.insert(cards.end(), {{"POLNAXIS", "2"}, {"POLNGRP", "1"}, {"POLDEG1", "0"}, {"POLNAME1", "'X_WORLD'"}});
+  io_test::write_bytes(path, empty + header_of(cards) + data);
+  expect_refused({"POLNAME1 = X_WORLD", "X_IMAGE"}, [&] { mtf::io::read_psf_fits(path, {}); });
 }
 
 }  // namespace
