@@ -97,6 +97,10 @@ void require_positions(const FieldMap& map) {
 }
 
 bool FieldMap::covers(const FieldPoint<double>& place) const {
+  if (is_image()) {
+    const auto within = [](double x, int n) { return x >= -kBeyond * n && x <= (1.0 + kBeyond) * n; };
+    return within(place.x, columns) && within(place.y, rows);
+  }
   const FieldPoint<double> u = scaled_place(*this, place);
   // The scaled positions are 2 wide.
   if (radial) return u.x >= hull[0].x - 2.0 * kBeyond && u.x <= hull[1].x + 2.0 * kBeyond;
@@ -108,6 +112,10 @@ bool FieldMap::covers(const FieldPoint<double>& place) const {
 }
 
 std::string FieldMap::outside_text(const FieldPoint<double>& place) const {
+  if (is_image())
+    return source + " covers the detector with " + size_text(columns, rows) + " samples, and (" +
+           significant(place.x, 4) + ", " + significant(place.y, 4) +
+           ") samples from its corner is beyond it; ask for places on the detector, on which the optical axis must lie";
   const auto shown = [&](double value) {
     const double given = unit == FieldUnit::slope ? std::atan(value) * 180.0 / std::numbers::pi : value;
     return significant(given, 4);
@@ -130,9 +138,8 @@ std::string FieldMap::outside_text(const FieldPoint<double>& place) const {
 
 void FieldMap::require_shape_of(int detector_columns, int detector_rows) const {
   if (static_cast<std::int64_t>(columns) * detector_rows == static_cast<std::int64_t>(rows) * detector_columns) return;
-  const auto size = [](int width, int height) { return std::to_string(width) + " x " + std::to_string(height); };
-  throw UsageError(source + " has " + size(columns, rows) + " samples, which is not the shape of frame.format, " +
-                   size(detector_columns, detector_rows) + "; give a value for each pixel, or for blocks of them");
+  throw UsageError(source + " has " + size_text(columns, rows) + " samples, which is not the shape of frame.format, " +
+                   size_text(detector_columns, detector_rows) + "; give a value for each pixel, or for blocks of them");
 }
 
 std::shared_ptr<const FieldMap> make_field_image(FieldMap map) {

@@ -358,6 +358,22 @@ TEST(Field, DisplacementsByAnImage) {
   }
 }
 
+// A parabola along both axes, between samples, between the first two and the last two, and out to the border.
+TEST(Field, ImagesMeetParabolasAndEndWithTheDetector) {
+  const auto parabola = [](double x, double y) { return 0.03 * x * x - 0.02 * x * y + 0.05 * y * y; };
+  const System<double> s = flowing(14, 3, [&](int x, int y) { return std::array{parabola(x, y), 0.0}; });
+  const auto shift_at = [&](double x, double y) {
+    return s.at(s.field_point(x, y)).list(Stage::presample)[0].component.get_if<Flow<double>>()->shift.x.value;
+  };
+  for (const double x : {0.0, 0.3, 0.75, 1.2, 6.9, 12.75, 13.5, 14.0})
+    for (const double y : {0.0, 0.8, 1.9, 3.0})
+      EXPECT_NEAR(shift_at(x, y), parabola(x - 0.5, y - 0.5), 1e-12) << x << " " << y;  // rounding
+  EXPECT_NO_THROW(shift_at(14.1, 3.0));
+  for (const auto& [x, y] : {std::pair{14.2, 1.0}, {-0.2, 1.0}, {3.0, 3.1}, {3.0, -40.0}})
+    expect_refused({"covers the detector with 14 x 3 samples", "ask for places on the detector"},
+                   [&] { shift_at(x, y); });
+}
+
 // One pixel that moves on its own, where no place between the points is looked at: no polynomial follows it.
 TEST(Field, JumpsOfDisplacementsAreSeen) {
   for (const bool alone : {false, true}) {
