@@ -391,6 +391,32 @@ TEST(Field, JumpsOfDisplacementsAreSeen) {
   }
 }
 
+// Of two jumps the lesser is looked at too, as an OTF may change more by it; samples twice as fine as pixels, or each
+// for two pixels, are looked at where pixels are.
+TEST(Field, EveryJumpOfAnImageIsLookedAt) {
+  for (const double finer : {1.0, 2.0, 0.5}) {
+    FieldMap image;
+    image.columns = static_cast<int>(64 * finer), image.rows = static_cast<int>(48 * finer);
+    image.column.resize(1);
+    const auto columns = static_cast<std::size_t>(image.columns);
+    image.column[0].value.assign(columns * static_cast<std::size_t>(image.rows), 0.2);
+    for (const auto& [x, y, by] : {std::tuple{37.5, 22.5, 1.5}, {9.5, 40.5, 0.4}})
+      image.column[0].value[static_cast<std::size_t>(y * finer) * columns + static_cast<std::size_t>(x * finer)] += by;
+    const auto map = make_field_image(std::move(image));
+    for (const std::size_t n : {3U, 17U}) {
+      const auto found = hardest_pixels(*map, 0, n, {0.5 * finer, 0.5 * finer}, {63.5 * finer, 47.5 * finer}, {64, 48});
+      for (const auto& [x, y] : {std::array{37, 22}, std::array{9, 40}})
+        EXPECT_TRUE(std::ranges::any_of(found,
+                                        [&](const auto& at) {
+                                          return std::abs(at[0] - x) <= 1 &&
+                                                 std::abs(at[1] - y) <= 1;  // a sample between two pixels
+                                        }))
+            << finer << " " << n << " " << x;
+      EXPECT_LE(found.size(), 9u);
+    }
+  }
+}
+
 TEST(Field, ValuesAreCheckedWhereThePixelsAre) {
   System<double> s = bare(15.0, 15.0);
   s.add(Stage::presample, footprint(10.0));
