@@ -82,8 +82,8 @@ struct FieldMap {
   bool is_image() const { return columns > 0; }
   /// Of an image: throws UsageError unless it has the shape of a detector of so many pixels.
   void require_shape_of(int detector_columns, int detector_rows) const;
-  /// Whether a place, in the map's own unit, lies among the positions, or beyond them by no more than 1 % of their
-  /// width.
+  /// Whether a place, in the map's own unit (of an image, in samples from its corner), lies among the positions, or
+  /// beyond them by no more than 1 % of their width.
   bool covers(const FieldPoint<double>& place) const;
   /// "coma.csv covers 0 to 10 mm, and 12.4 mm is asked for".
   std::string outside_text(const FieldPoint<double>& place) const;
@@ -107,7 +107,9 @@ struct FieldMap {
     const S cube = square * sqrt(square);
     return degree < 2 ? cube : S(cube * square);
   }
-  /// Of n samples, the four about a place and their weights; beyond an end goes the line through the last two.
+  /// Of n samples, the four about a place and their weights. Before the first goes the parabola through the first
+  /// three, behind the last alike (R. G. Keys, IEEE Trans. ASSP 29, 1153 (1981)), of two samples their line, so that
+  /// parabolas are met exactly everywhere.
   template <class S>
   struct Cubic {
     std::array<std::size_t, 4> sample;
@@ -119,8 +121,15 @@ struct FieldMap {
                 t * (S(0.5) + t * (S(2) - S(1.5) * t)), t * t * (S(0.5) * t - S(0.5))};
       for (int k = 0; k < 4; ++k)
         sample[static_cast<std::size_t>(k)] = static_cast<std::size_t>(std::clamp(i + k - 1, 0, n - 1));
-      if (i == 0) weight[1] += S(2) * weight[0], weight[2] -= weight[0], weight[0] = S(0);
-      if (i == n - 2) weight[2] += S(2) * weight[3], weight[1] -= weight[3], weight[3] = S(0);
+      const S parabola(n > 2 ? 1 : 0);
+      const auto extend = [&](std::size_t beyond, std::size_t end, std::size_t next, std::size_t third) {
+        weight[end] += (S(2) + parabola) * weight[beyond];
+        weight[next] -= (S(1) + S(2) * parabola) * weight[beyond];
+        weight[third] += parabola * weight[beyond];
+        weight[beyond] = S(0);
+      };
+      if (i == 0) extend(0, 1, 2, 3);
+      if (i == n - 2) extend(3, 2, 1, 0);
     }
   };
   /// At a place in samples from the corner of the image; `x`, `y`: the same as numbers.

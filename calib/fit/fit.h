@@ -202,6 +202,8 @@ struct FitResult {
   mtf::System<double> system;        ///< system of the first condition with the fitted values
   int iterations = 0;
   int starts_agreeing = 1;  ///< runs that ended at the same minimum
+  /// Values of all parameters at the minima that `alternatives` are of.
+  std::vector<std::vector<double>> other_minima{};
 };
 
 /// Data never throw: the status says what went wrong. Throws UsageError for parameters that do not exist, two with the

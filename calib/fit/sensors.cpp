@@ -377,6 +377,21 @@ std::optional<mtf::FieldPoint<double>> Sensors::field_point(std::size_t place) c
   return systems_[condition].field_point(middle.x / n, middle.y / n);
 }
 
+bool Sensors::varies_over_field(std::size_t parameter) const {
+  const System<double>& system = systems_.front();
+  const auto varies = [&](const double* one, const mtf::FieldNumber<double>& number) {
+    const auto& terms = number.coefficient;
+    if (std::ranges::any_of(terms, [&](const double& term) { return &term == one; })) return true;
+    if (!number.map && std::ranges::count(terms, 0.0) == std::ssize(terms)) return false;
+    const auto fields = system.list(Stage::presample)[number.entry].component.fields();
+    return mtf::detail::number_of(fields[number.field], number.element) == one;
+  };
+  return std::ranges::any_of(numbers_.front()[parameter], [&](const double* one) {
+    return one == &system.field.axis_x_px || one == &system.field.axis_y_px ||
+           std::ranges::any_of(system.field.numbers, [&](const auto& number) { return varies(one, number); });
+  });
+}
+
 template <class S>
 std::vector<System<S>> Sensors::seen_from(const Place& place, const System<S>& system) {
   if (place.points.empty()) return {system};

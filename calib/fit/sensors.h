@@ -48,6 +48,10 @@ class Sensors {
   /// The middle of it; nothing for a condition itself.
   std::optional<mtf::FieldPoint<double>> field_point(std::size_t place) const;
 
+  /// Whether a parameter acts differently over the field, at the present values: a term of a number, the value on the
+  /// axis of one that has a term or a table, or the place of the axis.
+  bool varies_over_field(std::size_t parameter) const;
+
   /// `unit`: of f, where that is not cy/px; the present frame converts it, and its numbers may be parameters.
   OtfTable otf(std::size_t place, std::span<const PixelFreq> f, const mtf::Unit* unit = nullptr) const;
   /// H at frequency 0, to which all others are relative.

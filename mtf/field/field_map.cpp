@@ -97,6 +97,10 @@ void require_positions(const FieldMap& map) {
 }
 
 bool FieldMap::covers(const FieldPoint<double>& place) const {
+  if (is_image()) {
+    const auto within = [](double x, int n) { return x >= -kBeyond * n && x <= (1.0 + kBeyond) * n; };
+    return within(place.x, columns) && within(place.y, rows);
+  }
   const FieldPoint<double> u = scaled_place(*this, place);
   // The scaled positions are 2 wide.
   if (radial) return u.x >= hull[0].x - 2.0 * kBeyond && u.x <= hull[1].x + 2.0 * kBeyond;
@@ -108,6 +112,10 @@ bool FieldMap::covers(const FieldPoint<double>& place) const {
 }
 
 std::string FieldMap::outside_text(const FieldPoint<double>& place) const {
+  if (is_image())
+    return source + " covers the detector with " + size_text(columns, rows) + " samples, and (" +
+           significant(place.x, 4) + ", " + significant(place.y, 4) +
+           ") samples from its corner is beyond it; ask for places on the detector, on which the optical axis must lie";
   const auto shown = [&](double value) {
     const double given = unit == FieldUnit::slope ? std::atan(value) * 180.0 / std::numbers::pi : value;
     return significant(given, 4);
@@ -130,9 +138,8 @@ std::string FieldMap::outside_text(const FieldPoint<double>& place) const {
 
 void FieldMap::require_shape_of(int detector_columns, int detector_rows) const {
   if (static_cast<std::int64_t>(columns) * detector_rows == static_cast<std::int64_t>(rows) * detector_columns) return;
-  const auto size = [](int width, int height) { return std::to_string(width) + " x " + std::to_string(height); };
-  throw UsageError(source + " has " + size(columns, rows) + " samples, which is not the shape of frame.format, " +
-                   size(detector_columns, detector_rows) + "; give a value for each pixel, or for blocks of them");
+  throw UsageError(source + " has " + size_text(columns, rows) + " samples, which is not the shape of frame.format, " +
+                   size_text(detector_columns, detector_rows) + "; give a value for each pixel, or for blocks of them");
 }
 
 std::shared_ptr<const FieldMap> make_field_image(FieldMap map) {
@@ -155,8 +162,11 @@ std::shared_ptr<const FieldMap> make_field_image(FieldMap map) {
   return std::make_shared<const FieldMap>(std::move(map));
 }
 
-std::array<double, 2> hardest_place(const FieldMap& image, std::size_t column, std::size_t n,
-                                    const FieldPoint<double>& low, const FieldPoint<double>& high) {
+std::vector<std::array<std::int64_t, 2>> hardest_pixels(const FieldMap& image, std::size_t column, std::size_t n,
+                                                        const FieldPoint<double>& low, const FieldPoint<double>& high,
+                                                        const std::array<std::int64_t, 2>& pixels) {
+  constexpr std::int64_t kParts = 3;  // along an axis
+  constexpr double kCounts = 0.1;
   const Barycentric points = Barycentric::with_ends(n);
   const auto at = [](double lo, double hi, double t) { return 0.5 * ((1.0 - t) * lo + (1.0 + t) * hi); };
   const auto m = static_cast<Index>(n);
@@ -167,35 +177,49 @@ std::array<double, 2> hardest_place(const FieldMap& image, std::size_t column, s
                                  at(low.y, high.y, points.x[static_cast<std::size_t>(j)])};
       value(j, i) = image.of_image(column, u, u.x, u.y);
     }
-  // Of each sample along an axis that lies in the box, its place there and the weights of the points.
-  const auto weights = [&](double lo, double hi, int count) {
-    std::pair<std::vector<int>, MatrixXd> all;
-    for (int i = 0; i < count; ++i)
-      if (i + 0.5 >= lo && i + 0.5 <= hi) all.first.push_back(i);
-    all.second.resize(m, std::ssize(all.first));
-    for (Index k = 0; k < all.second.cols(); ++k)
-      points.weights_at(2.0 * (all.first[static_cast<std::size_t>(k)] + 0.5 - lo) / (hi - lo) - 1.0,
-                        all.second.col(k).data());
+  // The pixels next to the samples along an axis, their places in samples, and the weights of the points.
+  struct Axis {
+    std::vector<std::int64_t> pixel;
+    std::vector<double> place;
+    MatrixXd weight;
+  };
+  const auto axis = [&](double lo, double hi, int samples, std::int64_t count) {
+    Axis all;
+    const auto last = static_cast<double>(count - 1);
+    for (int k = 0; k < samples; ++k) {
+      const double pixel = std::round((k + 0.5 - lo) / (hi - lo) * last);
+      if (!(pixel >= 0.0 && pixel <= last)) continue;
+      const auto one = static_cast<std::int64_t>(pixel);
+      if (all.pixel.empty() || one != all.pixel.back())
+        all.pixel.push_back(one), all.place.push_back(lo + pixel / last * (hi - lo));
+    }
+    all.weight.resize(m, std::ssize(all.pixel));
+    for (Index k = 0; k < all.weight.cols(); ++k)
+      points.weights_at(2.0 * static_cast<double>(all.pixel[static_cast<std::size_t>(k)]) / last - 1.0,
+                        all.weight.col(k).data());
     return all;
   };
-  const auto [x, by_x] = weights(low.x, high.x, image.columns);
-  const auto [y, by_y] = weights(low.y, high.y, image.rows);
-  const MatrixXd along = value * by_x;
-  std::array<double, 2> place{};
-  double most = -1.0;
-  for (std::size_t j = 0; j < y.size(); ++j) {
-    const Eigen::RowVectorXd row = by_y.col(static_cast<Index>(j)).transpose() * along;
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      const auto sample = static_cast<std::size_t>(y[j]) * static_cast<std::size_t>(image.columns);
-      const double by =
-          std::abs(row[static_cast<Index>(i)] - image.column[column].value[sample + static_cast<std::size_t>(x[i])]);
-      if (by <= most) continue;
-      most = by;
-      place = {2.0 * (x[i] + 0.5 - low.x) / (high.x - low.x) - 1.0,
-               2.0 * (y[j] + 0.5 - low.y) / (high.y - low.y) - 1.0};
+  const Axis x = axis(low.x, high.x, image.columns, pixels[0]), y = axis(low.y, high.y, image.rows, pixels[1]);
+  const MatrixXd along = value * x.weight;
+  struct Missed {
+    double by = -1.0;
+    std::array<std::int64_t, 2> pixel{};
+  };
+  std::array<Missed, kParts * kParts> part;
+  for (std::size_t j = 0; j < y.pixel.size(); ++j) {
+    const Eigen::RowVectorXd row = y.weight.col(static_cast<Index>(j)).transpose() * along;
+    for (std::size_t i = 0; i < x.pixel.size(); ++i) {
+      const FieldPoint<double> u{x.place[i], y.place[j]};
+      const double by = std::abs(row[static_cast<Index>(i)] - image.of_image(column, u, u.x, u.y));
+      const std::int64_t of = y.pixel[j] * kParts / pixels[1] * kParts + x.pixel[i] * kParts / pixels[0];
+      if (Missed& most = part[static_cast<std::size_t>(of)]; by > most.by) most = {by, {x.pixel[i], y.pixel[j]}};
     }
   }
-  return place;
+  const double least = kCounts * std::ranges::max(part, {}, &Missed::by).by;
+  std::vector<std::array<std::int64_t, 2>> all;
+  for (const Missed& one : part)
+    if (one.by >= std::max(0.0, least)) all.push_back(one.pixel);
+  return all;
 }
 
 std::shared_ptr<const FieldMap> make_field_map(FieldMap map) {

@@ -27,9 +27,11 @@ void require_positions(const FieldMap& map);
 /// least along both axes, all finite.
 std::shared_ptr<const FieldMap> make_field_image(FieldMap given);
 
-/// Of an image, where in a box the polynomial through n Chebyshev points along each axis misses a column most: x and y
-/// from -1 to 1 over the box, whose corners are in samples from the corner of the image.
-std::array<double, 2> hardest_place(const FieldMap& image, std::size_t column, std::size_t n,
-                                    const FieldPoint<double>& low, const FieldPoint<double>& high);
+/// Of an image, the pixels at which the polynomial through n Chebyshev points along each axis of a box misses a column
+/// most: one in each ninth of the box, where it is no less than a tenth of the most. The corners of the box, in samples
+/// from the corner of the image, are the middles of the first and of the last of the pixels, 2 at least along an axis.
+std::vector<std::array<std::int64_t, 2>> hardest_pixels(const FieldMap& image, std::size_t column, std::size_t n,
+                                                        const FieldPoint<double>& low, const FieldPoint<double>& high,
+                                                        const std::array<std::int64_t, 2>& pixels);
 
 }  // namespace mtf

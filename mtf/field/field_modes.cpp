@@ -352,7 +352,11 @@ FieldModes::FieldModes(const System<double>& given, const SampleGrid& in, const 
       return FieldPoint<double>{x * number.map->columns / frame.columns, y * number.map->rows / frame.rows};
     };
     for (const std::size_t n : points)
-      probes_.push_back(hardest_place(*number.map, number.column, n, corner(-1.0), corner(1.0)));
+      for (const auto& [i, j] :
+           hardest_pixels(*number.map, number.column, n, corner(-1.0), corner(1.0), {x_.count, y_.count})) {
+        const std::array place{x_.place(static_cast<double>(i)), y_.place(static_cast<double>(j))};
+        if (std::ranges::find(probes_, place) == probes_.end()) probes_.push_back(place);
+      }
   }
   if (tables.is_parted())  // between the nodes of a grid there may be no pixels
     for (auto& [tx, ty] : probes_) tx = x_.place(std::round(x_.pixel(tx))), ty = y_.place(std::round(y_.pixel(ty)));

@@ -202,11 +202,11 @@ S System<S>::mapped(const FieldNumber<S>& number, const FieldPoint<S>& q) const 
   if (map.is_image()) {
     map.require_shape_of(frame.columns, frame.rows);
     x *= S(static_cast<double>(map.columns) / frame.columns), y *= S(static_cast<double>(map.rows) / frame.rows);
-    return S(number.factor) * map.of_image(number.column, FieldPoint<S>{x, y}, value_of(x), value_of(y));
   }
-  if (const FieldPoint<double> place{value_of(x), value_of(y)}; !map.covers(place))
-    throw UsageError(map.outside_text(place));
-  return S(number.factor) * map.at(number.column, FieldPoint<S>{x, y});
+  const FieldPoint<double> place{value_of(x), value_of(y)};
+  if (!map.covers(place)) throw UsageError(map.outside_text(place));
+  return S(number.factor) * (map.is_image() ? map.of_image(number.column, FieldPoint<S>{x, y}, place.x, place.y)
+                                            : map.at(number.column, FieldPoint<S>{x, y}));
 }
 
 template <class S>

@@ -358,6 +358,22 @@ TEST(Field, DisplacementsByAnImage) {
   }
 }
 
+// A parabola along both axes, between samples, between the first two and the last two, and out to the border.
+TEST(Field, ImagesMeetParabolasAndEndWithTheDetector) {
+  const auto parabola = [](double x, double y) { return 0.03 * x * x - 0.02 * x * y + 0.05 * y * y; };
+  const System<double> s = flowing(14, 3, [&](int x, int y) { return std::array{parabola(x, y), 0.0}; });
+  const auto shift_at = [&](double x, double y) {
+    return s.at(s.field_point(x, y)).list(Stage::presample)[0].component.get_if<Flow<double>>()->shift.x.value;
+  };
+  for (const double x : {0.0, 0.3, 0.75, 1.2, 6.9, 12.75, 13.5, 14.0})
+    for (const double y : {0.0, 0.8, 1.9, 3.0})
+      EXPECT_NEAR(shift_at(x, y), parabola(x - 0.5, y - 0.5), 1e-12) << x << " " << y;  // rounding
+  EXPECT_NO_THROW(shift_at(14.1, 3.0));
+  for (const auto& [x, y] : {std::pair{14.2, 1.0}, {-0.2, 1.0}, {3.0, 3.1}, {3.0, -40.0}})
+    expect_refused({"covers the detector with 14 x 3 samples", "ask for places on the detector"},
+                   [&] { shift_at(x, y); });
+}
+
 // One pixel that moves on its own, where no place between the points is looked at: no polynomial follows it.
 TEST(Field, JumpsOfDisplacementsAreSeen) {
   for (const bool alone : {false, true}) {
@@ -372,6 +388,32 @@ TEST(Field, JumpsOfDisplacementsAreSeen) {
       expect_refused<UnreachableTolerance>({"over the field"}, planned);
     else
       EXPECT_NO_THROW(planned());
+  }
+}
+
+// Of two jumps the lesser is looked at too, as an OTF may change more by it; samples twice as fine as pixels, or each
+// for two pixels, are looked at where pixels are.
+TEST(Field, EveryJumpOfAnImageIsLookedAt) {
+  for (const double finer : {1.0, 2.0, 0.5}) {
+    FieldMap image;
+    image.columns = static_cast<int>(64 * finer), image.rows = static_cast<int>(48 * finer);
+    image.column.resize(1);
+    const auto columns = static_cast<std::size_t>(image.columns);
+    image.column[0].value.assign(columns * static_cast<std::size_t>(image.rows), 0.2);
+    for (const auto& [x, y, by] : {std::tuple{37.5, 22.5, 1.5}, {9.5, 40.5, 0.4}})
+      image.column[0].value[static_cast<std::size_t>(y * finer) * columns + static_cast<std::size_t>(x * finer)] += by;
+    const auto map = make_field_image(std::move(image));
+    for (const std::size_t n : {3U, 17U}) {
+      const auto found = hardest_pixels(*map, 0, n, {0.5 * finer, 0.5 * finer}, {63.5 * finer, 47.5 * finer}, {64, 48});
+      for (const auto& [x, y] : {std::array{37, 22}, std::array{9, 40}})
+        EXPECT_TRUE(std::ranges::any_of(found,
+                                        [&](const auto& at) {
+                                          return std::abs(at[0] - x) <= 1 &&
+                                                 std::abs(at[1] - y) <= 1;  // a sample between two pixels
+                                        }))
+            << finer << " " << n << " " << x;
+      EXPECT_LE(found.size(), 9u);
+    }
   }
 }
 
@@ -512,7 +554,7 @@ TEST_P(FieldPromiseLong, AtRandom) {
   for (unsigned seed = GetParam(); seed < GetParam() + kSeedsOfACase; ++seed)
     for (const bool in_tiles : {false, true}) keeps_its_promise(seed, in_tiles);
 }
-// With those of the suite 2,700 random cases.
+// 54 x 25 seeds, of the image and of tiles: these alone are 2,700 random cases.
 INSTANTIATE_TEST_SUITE_P(Seeds, FieldPromiseLong, testing::Range(11U, 11U + 54 * kSeedsOfACase, kSeedsOfACase));
 
 }  // namespace

@@ -62,13 +62,14 @@ std::optional<double> least_information(const InformationAt& information, double
   return x + 0.5 * h * (below - above) / bend;
 }
 
-/// `few`: of many sets of data each sees a term over the field at another size, and no centre but 0 is that of all.
-std::vector<double> centres(const InformationAt& information, const Variable& v, double x, double sd, bool few) {
+/// `told_apart`: each of many sets of data sees a term over the field at another size, and no centre but 0 is that of
+/// all.
+std::vector<double> centres(const InformationAt& information, const Variable& v, double x, double sd, bool told_apart) {
   constexpr double kDirection_deg = 5.0, kFarthest = 10.0;  // steps
   std::vector<double> all;
   if (!v.has_sign() && !v.direction) return all;
   if (v.has_sign()) all.push_back(0.0);
-  if (!few) return all;
+  if (told_apart) return all;
   const double h = v.direction ? kDirection_deg / v.step : 0.5 * std::min(sd, std::max(1.0, 0.1 * std::abs(x)));
   const auto near = least_information(information, x, h);
   if (!near || std::abs(*near - x) > kFarthest * std::max(h, std::abs(x))) return all;
@@ -117,7 +118,7 @@ std::optional<FlatPoint> flat_point(SomeBlocks& some, std::size_t i) {
     const FlatPoint bound{.parameter = i, .at = low ? v.lo : v.hi, .side = low ? 1.0 : -1.0};
     if (const auto flat = if_flat(information, bound, v.hi - v.lo, x, sd, here)) return flat;
   }
-  for (const double at : centres(information, v, x, sd, some.few)) {
+  for (const double at : centres(information, v, x, sd, some.told_apart[i])) {
     if (!(std::abs(x - at) < kNear_sd * sd)) continue;
     const FlatPoint centre{.parameter = i, .at = at, .side = x < at ? -1.0 : 1.0, .inside = true};
     const double range = v.direction ? kQuarter_deg / v.step : x < at ? at - v.lo : v.hi - at;
@@ -141,7 +142,7 @@ std::vector<FlatPoint> flat_points(const FitProblem& problem, const Solved& solv
 std::vector<double> possible_centres(SomeBlocks& some, std::size_t i) {
   const auto index = static_cast<Eigen::Index>(i);
   return centres(InformationAt(some, i), some.problem.variables[i], some.problem.x[i],
-                 std::sqrt(some.solved.identified.covariance(index, index)), some.few);
+                 std::sqrt(some.solved.identified.covariance(index, index)), some.told_apart[i]);
 }
 
 void set_apart(Solved& solved, std::span<const FlatPoint> flat) {

@@ -137,9 +137,12 @@ std::vector<Change> changes(SomeBlocks& some) {
       return std::ranges::any_of(b, [&](const auto& other) { return one.first == other.first; });
     });
   };
-  for (std::size_t i = 0; i < single && some.few; ++i)  // many sets of data tell these apart
+  const auto told_apart = [&](const Change& change) {
+    return std::ranges::any_of(change, [&](const auto& one) { return some.told_apart[one.first]; });
+  };
+  for (std::size_t i = 0; i < single; ++i)
     for (std::size_t k = 0; k < i; ++k) {
-      if (!of_others(all[i], all[k])) continue;
+      if (told_apart(all[i]) || told_apart(all[k]) || !of_others(all[i], all[k])) continue;
       Change both = all[i];
       both.insert(both.end(), all[k].begin(), all[k].end());
       all.push_back(std::move(both));
@@ -153,19 +156,25 @@ std::vector<Change> changes(SomeBlocks& some) {
 }
 
 /// Where the changes that promise most lead, by some of the data: minima about as low as the present one. Of many sets
-/// of data those where the `simpler` fit of one unknown less has its own, where there is one.
+/// of data those where the `simpler` fit of one unknown less has its own, where there is one, and of these and of the
+/// present one those with the other sign of that unknown, the last.
 std::vector<std::vector<double>> places_to_try(const FitProblem& all_data, const Solved& solved,
                                                const FitResult* simpler, const std::function<bool()>& go_on) {
   constexpr double kAsLow = 10.0, kCoarse = 1e-6;  // half of chi-square, of some of the pixels
   SomeBlocks some = some_blocks(all_data, solved);
   FitProblem& problem = some.problem;
-  if (simpler != nullptr && !some.few) {
-    std::vector<std::vector<double>> places;
-    for (const Alternative& one : simpler->alternatives) {
+  if (simpler != nullptr && std::ranges::find(some.told_apart, true) != some.told_apart.end()) {
+    std::vector<std::vector<double>> places{problem.x};
+    for (const std::vector<double>& values : simpler->other_minima) {
       std::vector<double>& place = places.emplace_back(problem.x);
-      for (std::size_t k = 0; k < one.parameters.size(); ++k)
-        place[one.parameters[k]] = problem.variables[one.parameters[k]].x_of(one.values[k]);
+      for (std::size_t k = 0; k < values.size(); ++k) place[k] = problem.variables[k].x_of(values[k]);
     }
+    const Variable& last = problem.variables.back();
+    for (std::size_t k = 0, n = places.size(); k < n && last.has_sign(); ++k) {
+      places.push_back(places[k]);
+      places.back().back() = std::clamp(-places[k].back(), last.lo, last.hi);
+    }
+    places.erase(places.begin());
     return places;
   }
   const FitPoint here = problem.here();
@@ -364,6 +373,7 @@ void report_mirrors(FitProblem& problem, const Solved& solved, std::span<const M
     const Identified there =
         identify(information_of(problem, normals, solved.scores, solved.noise_factor).matrix, solved.reference);
     Alternative one{.chi2_rise = mirror.rise};
+    result.other_minima.push_back(values_at(problem.variables, mirror.x));
     for (std::size_t i = 0; i < best.x.size(); ++i) {
       const Variable& v = problem.variables[i];
       if (!(std::abs(difference(v, mirror.x[i], best.x[i])) > kDiffers_sd * sd[i])) continue;

@@ -9,7 +9,8 @@
 //                       part, while odd ones (coma) keep theirs: W(p) -> -W(-p) leaves the OTF as it is
 //   a turn              of a direction by 90 or 180 degrees, alone or with a sign: astigmatism
 //   p <-> q             two squares by their effects: a footprint and a travel along it
-// and, of a few sets of data, each two of them together. Squares (variables.h) are even exactly and need no search.
+// and each two of them together, but for those that many sets of data tell apart (some_blocks.h). Squares (variables.h)
+// are even exactly and need no search.
 
 #include "calib/fit/confidence/flat_points.h"
 #include "calib/fit/fit_rounds.h"

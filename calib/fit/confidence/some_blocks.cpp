@@ -22,7 +22,9 @@ SomeBlocks some_blocks(const FitProblem& problem, const Solved& solved) {
   const auto over_field = [&](const Block& block) {
     return problem.sensors->field_point(std::visit([](const auto& b) { return b.place(); }, block)).has_value();
   };
-  some.few = every == 1 && (problem.blocks.size() <= kFewPlaces || !std::ranges::any_of(problem.blocks, over_field));
+  const bool many_places = problem.blocks.size() > kFewPlaces && std::ranges::any_of(problem.blocks, over_field);
+  for (std::size_t i = 0; i < problem.x.size(); ++i)
+    some.told_apart.push_back(every > 1 || (many_places && problem.sensors->varies_over_field(i)));
   for (auto& prior : some.problem.priors)
     if (prior) (*prior)[1] *= std::sqrt(static_cast<double>(every));
   for (std::size_t b = 0; b < problem.blocks.size(); b += every) {

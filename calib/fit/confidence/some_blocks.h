@@ -13,7 +13,9 @@ struct SomeBlocks {
   FitProblem problem;
   Solved solved;       ///< noise and tests of these blocks; references, information and what is determined are of all
   double share = 1.0;  ///< of all blocks
-  bool few = true;     ///< all there are, and not so many places of the image that they tell most mirrors apart
+  /// Of each variable: it acts differently over the field (Sensors), and so many places of the image tell most of its
+  /// mirrors apart, or there are not all blocks.
+  std::vector<bool> told_apart{};
 };
 
 /// A few dozen blocks; all where there are no more.

@@ -193,7 +193,8 @@ bool add_axis_value(Reader& reader, const FieldTerms& terms, const FieldNumber<d
     *detail::number_of(fields[number.field], number.element) += system.mapped(number, {});
     return true;
   } catch (const UsageError& error) {
-    reader.error(terms.position, terms.path, std::string(error.what()) + " on the optical axis");
+    reader.error(terms.position, terms.written.empty() ? terms.path : terms.written,
+                 std::string(error.what()) + " on the optical axis");
     return false;
   }
 }

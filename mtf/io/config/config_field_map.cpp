@@ -184,9 +184,10 @@ std::shared_ptr<const FieldMap> displacements_in(const std::string& path, AxisPa
   const auto begin = [&](std::uint64_t columns, std::uint64_t rows) {
     constexpr std::uint64_t kLongest = 1 << 14, kMostSamples = 1 << 25;
     if (std::min(columns, rows) < 2 || std::max(columns, rows) > kLongest || columns * rows > kMostSamples)
-      throw UsageError(path + ": " + size_text(columns, rows) +
-                       " samples; an image of displacements has 2 at least along each axis and 2^25 at most, which may "
-                       "be of blocks of pixels");
+      throw UsageError(
+          path + ": " + size_text(columns, rows) +
+          " samples; an image of displacements has 2 to 2^14 along each axis and 2^25 at most, which may be "
+          "of blocks of pixels");
     map.columns = static_cast<int>(columns), map.rows = static_cast<int>(rows);
   };
   if (path.ends_with(".npy")) {
@@ -202,16 +203,16 @@ std::shared_ptr<const FieldMap> displacements_in(const std::string& path, AxisPa
     for (std::size_t i = 0; i < values.size(); ++i)
       map.column[planes ? i / half : i % 2].value.push_back(static_cast<double>(values[i]));
   } else {
-    const std::vector<ChannelInfo> channels = read_info(path).channels;
+    const FileInfo info = read_info(path);
+    begin(static_cast<std::uint64_t>(info.width), static_cast<std::uint64_t>(info.height));
     for (FieldMap::Column& column : map.column) {
       const auto same = [&](const ChannelInfo& one) { return lower_case(one.name) == column.name; };
-      const auto found = std::ranges::find_if(channels, same);
-      if (found == channels.end()) throw UsageError(path + ": no channel " + column.name + remedy);
+      const auto found = std::ranges::find_if(info.channels, same);
+      if (found == info.channels.end()) throw UsageError(path + ": no channel " + column.name + remedy);
       const ImageFile file = read_image(path, {.channel = found->name});
       const Image& plane = file.planes.front();
       if (file.integer || file.missing_pixels > 0)
         throw UsageError(path + ": channel " + column.name + " is no image of floats that fills its window" + remedy);
-      begin(static_cast<std::uint64_t>(plane.width()), static_cast<std::uint64_t>(plane.height()));
       column.value.assign(plane.data(), plane.data() + plane.size());
     }
   }
@@ -366,6 +367,7 @@ std::optional<bool> read_file_over_field(const Section& section, const FieldRef<
     for (std::size_t i = 0; i < map->column.size(); ++i)
       reader.terms.push_back(
           {.path = section.at(key->member) + (pair ? "_" + map->column[i].name : "[" + std::to_string(i) + "]"),
+           .written = section.at(key->key),
            .position = file->position,
            .coefficient = {},
            .map = map,

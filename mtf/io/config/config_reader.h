@@ -19,6 +19,7 @@ namespace mtf::io::cfg {
 /// written as "field".
 struct FieldTerms {
   std::string path;
+  std::string written{};  ///< path of the key that the file has, where that is another
   Position position;
   bool angle = false;
   bool fit = false;  ///< some stand in fit tables, so that they stay terms where they are 0

@@ -313,7 +313,7 @@ TEST_F(ConfigFieldMap, CurvesAtPositions) {
   file("corner.csv", "frequency_cy_px,mtf\n0,1\n0.5,0\n");
   expect_error(body, {"corner.csv: frequencies in cy/px", "one unit"});
   file("curves.csv", "x,y,file\n0,0,axis.csv\n0.5,0,axis.csv\n0,0.5,axis.csv\n");
-  expect_error(body, {"presample[0].file", "curves.csv covers the area", "add positions"});
+  expect_error(body, {"presample[0].positions", "curves.csv covers the area", "add positions"});
   std::string many = "r,file\n";
   for (int i = 0; i <= 400; ++i) many += std::to_string(i) + ",axis.csv\n";
   file("curves.csv", many);
@@ -335,7 +335,7 @@ TEST_F(ConfigFieldMap, DisplacementsByAnImage) {
   };
   save("flow.exr", 32, 25);
   const std::string body = "kind = \"flow\"\ndisplacements = \"flow.exr\"\n";
-  expect_error(body, {"presample[0].shift_x", "32 x 25 samples", "640 x 512"});
+  expect_error(body, {"presample[0].displacements", "32 x 25 samples", "640 x 512"});
   save("flow.exr", 40, 32);
   const System<double> image = system(body), terms = system("kind = \"flow\"\nzoom = 0.01\nrotation = \"5 mrad\"\n");
   for (const FieldPoint<double>& q : {FieldPoint<double>{}, {0.3, -0.2}, {-0.7, 0.6}, {0.78, 0.62}})
@@ -350,6 +350,8 @@ TEST_F(ConfigFieldMap, DisplacementsByAnImage) {
   expect_error(body, {"along x is not finite in column 3, row 2"});
   write_exr((folder_ / "flow.exr").string(), {{"Y", Image(40, 32).view()}}, {});
   expect_error(body, {"no channel x", "channels x and y"});
+  save("flow.exr", 20000, 2);
+  expect_error(body, {"20000 x 2 samples", "2 to 2^14 along each axis and 2^25 at most"});
   // The same as planes and interleaved, by another writer (NPY 1.0 by hand).
   const auto npy = [&](const char* shape, bool planes) {
     std::string header = "{'descr': '<f4', 'fortran_order': False, 'shape': (" + std::string(shape) + "), }";
