@@ -224,6 +224,8 @@ ImageFacts image_facts(const InfoOptions& options) {
   facts.info = mtf::io::read_info(options.file);
   if (facts.info.format == mtf::io::Format::tiff && options.read.part)  // another page
     facts.info = mtf::io::read_raster_info(options.file, mtf::io::Format::tiff, *options.read.part);
+  if (const auto open = mtf::io::row_of(facts.info.format).raw; open != nullptr && options.read.part)
+    facts.info = mtf::io::read_raw_info(options.file, open, *options.read.part);
   facts.values = meaning(facts.info);
   facts.remarks = facts.info.notes;
   for (std::string remark : {encoding_remark(facts.info), mtf::io::aspect_note(facts.info)})

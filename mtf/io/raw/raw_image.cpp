@@ -68,11 +68,14 @@ void set_no_data(RawImage& image, double value, const std::string& words) {
   note_no_data(image.info, words);
 }
 
-FileInfo read_raw_info(const std::string& path, OpenRaw open) {
-  std::vector<RawImage> images = open(path);
-  FileInfo info = images.front().info;
-  for (std::size_t i = 1; i < images.size(); ++i)
-    info.channels.insert(info.channels.end(), images[i].info.channels.begin(), images[i].info.channels.end());
+FileInfo read_raw_info(const std::string& path, OpenRaw open, int part) {
+  const std::vector<RawImage> images = open(path);
+  const auto of_part =
+      std::ranges::find_if(images, [&](const RawImage& image) { return image.info.channels.front().part == part; });
+  FileInfo info = of_part == images.end() ? images.front().info : of_part->info;
+  info.channels.clear();
+  for (const RawImage& image : images)
+    info.channels.insert(info.channels.end(), image.info.channels.begin(), image.info.channels.end());
   return info;
 }
 

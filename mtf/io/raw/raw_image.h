@@ -60,7 +60,8 @@ std::vector<RawImage> open_gdal(const std::string& path);
 std::vector<RawImage> open_camera_raw(const std::string& path);
 using OpenRaw = std::vector<RawImage> (*)(const std::string& path);
 
-FileInfo read_raw_info(const std::string& path, OpenRaw open);
+/// Of the part that is asked for, the first where it is none; `channels` are those of all.
+FileInfo read_raw_info(const std::string& path, OpenRaw open, int part = -1);
 ImageFile read_raw(const std::string& path, OpenRaw open, const ReadOptions& options);
 
 /// Windows of the chosen channels, from any thread.
