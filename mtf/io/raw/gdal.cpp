@@ -54,6 +54,8 @@ RawImage image_of(const std::string& path, GdalImage from, int part) {
                     : from.bands.size() > 1 ? "band " + std::to_string(names.size() + 1)
                                             : "Y");
   }
+  if (const auto& [gain, offset, none] = image.planes.front(); gain != 1.0 || offset != 0.0)
+    info.storage += ", scale " + format_double(gain) + " and offset " + format_double(offset) + " applied";
   if (const auto& no_data = from.bands.front().no_data)
     note_no_data(info, format_double(*no_data) + " (as the file states it)");
   name_channels(image, names, part);
