@@ -113,8 +113,15 @@ bool can_be_read(const ChannelInfo& channel) {
   return channel.x_sampling == 1 && channel.y_sampling == 1 && !channel.type.starts_with("deep");
 }
 
+/// What was found while the pixels were read.
+void add_notes(ImageFacts& facts, const mtf::io::ImageFile& image) {
+  for (const std::string& note : image.info.notes)
+    if (std::ranges::find(facts.remarks, note) == facts.remarks.end()) facts.remarks.push_back(note);
+}
+
 void measure_raster(ImageFacts& facts, const InfoOptions& options) {
   const mtf::io::ImageFile image = mtf::io::read_image(options.file, options.read);
+  add_notes(facts, image);
   for (std::size_t i = 0; i < image.names.size(); ++i)
     for (ChannelFacts& channel : facts.channels)
       if (channel.channel.name == image.names[i]) measure(channel, image.planes[i]);
@@ -137,6 +144,7 @@ void measure_in_turn(ImageFacts& facts, const InfoOptions& options) {
     }
     const ReadOptions read{.channel = channel.channel.name, .layer = {}, .part = channel.channel.part};
     const mtf::io::ImageFile image = mtf::io::read_image(options.file, read);
+    add_notes(facts, image);
     missing = std::max(missing, image.missing_pixels);
     measure(channel, image.planes.front());
   }

@@ -62,7 +62,7 @@ RawImage image_of(const std::string& path, GdalImage from, int part) {
   for (ChannelInfo& channel : info.channels) channel.part_name = from.name;
   image.decode = [gdal = &gdal(), path, planes = image.planes, dataset = from.dataset,
                   one_at_a_time = std::make_shared<std::mutex>()](std::int64_t plane, std::int64_t x, std::int64_t y,
-                                                                  ImageView<float> out) {
+                                                                  ImageView<float> out, Rounding* rounding) {
     const std::int64_t rows = strip_rows(out.width, out.height);
     std::vector<double> strip(static_cast<std::size_t>(rows * out.width));
     for (std::int64_t first = 0; first < out.height; first += rows) {
@@ -74,7 +74,8 @@ RawImage image_of(const std::string& path, GdalImage from, int part) {
       for (std::int64_t row = 0; row < count; ++row)
         to_floats({.kind = 'f', .bytes = 8, .big_endian = std::endian::native == std::endian::big},
                   reinterpret_cast<const char*>(strip.data() + row * out.width), sizeof(double),
-                  planes[static_cast<std::size_t>(plane)], {out.row(first + row), static_cast<std::size_t>(out.width)});
+                  planes[static_cast<std::size_t>(plane)], {out.row(first + row), static_cast<std::size_t>(out.width)},
+                  rounding);
     }
   };
   return image;
