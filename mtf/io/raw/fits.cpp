@@ -124,6 +124,7 @@ NumberType fits_type(const FitsUnit& unit) {
 /// BZERO, BSCALE and BLANK.
 void set_fits_meaning(const FitsUnit& unit, RawImage& image) {
   const Meaning meaning{unit.number("BSCALE").value_or(1.0), unit.number("BZERO").value_or(0.0)};
+  if (meaning.gain == 0.0) unit.fail("BSCALE = 0 makes all values alike; correct the header");
   std::ranges::fill(image.planes, meaning);
   if (meaning.offset != 0.0 || meaning.gain != 1.0)
     image.info.storage +=

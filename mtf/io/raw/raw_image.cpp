@@ -167,6 +167,9 @@ void RawWindows::read(std::size_t first_channel, std::int64_t x, std::int64_t y,
       const std::span to(out[c].row(row), static_cast<std::size_t>(width));
       to_floats(image_.type, bytes.data() + at, image_.pixel_step, image_.planes[static_cast<std::size_t>(planes[c])],
                 to, rounding.empty() ? nullptr : &rounding[c]);
+      if (image_.info.format == Format::pnm && static_cast<double>(std::ranges::max(to)) > image_.info.largest)
+        fail_to_read(image_.file, "a sample of row " + std::to_string(y + row) +
+                                      " is above the largest value that the header states");
     }
   }
 }

@@ -61,6 +61,7 @@ TEST_F(Envi, HeadersThatCannotBeReadNameTheKey) {
   for (const auto& [line, part] : {std::pair{"band names = {a, b", "never closed"},
                                    {"band names = {a}", "2 bands"},
                                    {"data gain values = {1, x}", "no number"},
+                                   {"data gain values = {1, 0}", "gain of 0"},
                                    {"data ignore value = none", "data ignore value"},
                                    {"file compression = 1", "compressed"},
                                    {"major frame offsets = {0, 16}", "major frame offsets"},

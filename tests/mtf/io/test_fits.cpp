@@ -41,6 +41,9 @@ TEST(Fits, FilesThatCannotBeReadSayWhy) {
   refused(header_of(image("16", "-36", "40")) + data, {"NAXIS1 = -36", "whole number"});
   refused(header_of(image("12", "36", "40")) + data, {"BITPIX = 12", "-32"});
   refused(header_of(image("16", "36", "x")) + data, {"NAXIS2 = x", "no number"});
+  Cards scaled = image("16", "36", "40");
+  scaled.emplace_back("BSCALE", "0.0");
+  refused(header_of(scaled) + data, {"BSCALE = 0"});
   refused(header_of({{"SIMPLE", "T"}, {"BITPIX", "16"}}) + data, {"NAXIS is missing"});
   refused(header_of({{"SIMPLE", "T"}, {"BITPIX", "16"}, {"NAXIS", "0"}}), {"no image"});
   refused(header_of(image("16", "36", "40")).substr(0, 300), {"no END"});
