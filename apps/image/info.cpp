@@ -246,7 +246,7 @@ ImageFacts image_facts(const InfoOptions& options) {
   }
   // The refusal of the reader lists what there is.
   if (facts.channels.empty() && (wanted || layer || part))
-    static_cast<void>(mtf::io::choose_channels(options.file, facts.info.channels, options.read));
+    static_cast<void>(mtf::io::read_image(options.file, options.read));
   if (mtf::io::row_of(facts.info.format).in_pieces())
     measure_in_turn(facts, options);
   else

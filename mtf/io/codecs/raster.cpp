@@ -91,6 +91,9 @@ ImageFile read_raster(const std::string& path, Format format, const ReadOptions&
   if (options.channel == "counts" && !(header.flir.empty() && header.dji.empty()))
     return read_raw(path, open_flir, {.channel = {}, .layer = {}, .part = 0});
   add_counts(path, header, image.info);
+  if (format == Format::jpeg && options.channel == "counts")
+    for (const std::string& note : header.notes)
+      if (note.find("raw counts of the camera") != std::string::npos) throw RuntimeError(path + ": " + note);
   if (format == Format::jpeg && options.channel && *options.channel != "Y")
     throw UsageError(path +
                      ": of a JPEG only the luminance plane Y is read: its colours are mixed and mostly of fewer "
