@@ -209,7 +209,12 @@ std::string counts_remark(const ImageFacts& facts) {
   const auto stated = stated_camera(facts.info.attributes);
   for (const ChannelFacts& channel : facts.channels) {
     if (!stated || channel.channel.name != "counts" || !channel.min) continue;
-    const auto& [camera, assumed] = *stated;
+    const auto& [camera, assumed, left_out, no_emissivity] = *stated;
+    try {
+      require_camera(facts.path, camera);
+    } catch (const mtf::UsageError& error) {
+      return std::string("no temperatures of the counts: ") + error.what();
+    }
     std::string text = "temperatures of the counts";
     for (const auto& [word, count] : {std::pair{" from ", *channel.min}, {" to ", *channel.max}}) {
       const auto s = sensitivity_of(count, camera, assumed);
@@ -219,7 +224,7 @@ std::string counts_remark(const ImageFacts& facts) {
               " K for 1 K of reflected, " + significant(0.01 * s.transmission, 2) +
               " K for 0.01 of the air's transmission, " + significant(s.air, 2) + " K for 1 K of air)";
     }
-    return text + ", by " + thermometry_words(assumed);
+    return text + ", by " + thermometry_words(assumed) + left_out + no_emissivity;
   }
   return "";
 }

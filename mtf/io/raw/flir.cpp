@@ -97,10 +97,11 @@ class FlirBytes {
   std::int64_t size_;
 };
 
-/// What the camera stores beside its counts. Numbers that are not finite are not there.
+/// What the camera stores beside its counts. Constants of its counts that are not finite are not there.
 void read_camera(const Packed& camera, std::map<std::string, std::string>& attributes) {
   const auto number = [&](const char* name, double value, const char* unit = "") {
-    if (std::isfinite(value)) attributes[name] = number_text(value) + unit;
+    if (std::isfinite(value) || !std::string_view(name).starts_with("camera_counts."))
+      attributes[name] = number_text(value) + unit;
   };
   number("camera_counts.R1", camera.real(0x58));
   number("camera_counts.B", camera.real(0x5c));
