@@ -192,10 +192,13 @@ class Reduction {
       refuse(entry_.name, "values outside 0 to " + significant(top_, 12) + ", which is what " +
                               std::to_string(source_.bits) + " bits hold; correct bits in [camera]");
     const std::uint32_t step = sums_->step();
+    constexpr std::uint32_t exact = 1U << 24U;
     if (step > 1 && varies_)
       refuse(entry_.name, "all values are multiples of " + std::to_string(step) +
-                              ": fewer bits, stored shifted; write step = " + significant(file_.step * step, 6) +
-                              " and their bits in [camera]");
+                              (sums_->bits() < exact ? ": fewer bits, stored shifted; write step = "
+                                                     : ", as those above 2^24 are in float32: subtract a constant from "
+                                                       "them; or, of fewer bits stored shifted, write step = ") +
+                              significant(file_.step * step, 6) + " and their bits in [camera]");
     if (step == 0)
       source_.warnings.push_back(entry_.name +
                                  ": values that are no whole numbers; rounding is not what it is taken for");

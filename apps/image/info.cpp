@@ -113,8 +113,15 @@ bool can_be_read(const ChannelInfo& channel) {
   return channel.x_sampling == 1 && channel.y_sampling == 1 && !channel.type.starts_with("deep");
 }
 
+/// What was found while the pixels were read.
+void add_notes(ImageFacts& facts, const mtf::io::ImageFile& image) {
+  for (const std::string& note : image.info.notes)
+    if (std::ranges::find(facts.remarks, note) == facts.remarks.end()) facts.remarks.push_back(note);
+}
+
 void measure_raster(ImageFacts& facts, const InfoOptions& options) {
   const mtf::io::ImageFile image = mtf::io::read_image(options.file, options.read);
+  add_notes(facts, image);
   for (std::size_t i = 0; i < image.names.size(); ++i)
     for (ChannelFacts& channel : facts.channels)
       if (channel.channel.name == image.names[i]) measure(channel, image.planes[i]);
@@ -137,6 +144,7 @@ void measure_in_turn(ImageFacts& facts, const InfoOptions& options) {
     }
     const ReadOptions read{.channel = channel.channel.name, .layer = {}, .part = channel.channel.part};
     const mtf::io::ImageFile image = mtf::io::read_image(options.file, read);
+    add_notes(facts, image);
     missing = std::max(missing, image.missing_pixels);
     measure(channel, image.planes.front());
   }
@@ -201,7 +209,12 @@ std::string counts_remark(const ImageFacts& facts) {
   const auto stated = stated_camera(facts.info.attributes);
   for (const ChannelFacts& channel : facts.channels) {
     if (!stated || channel.channel.name != "counts" || !channel.min) continue;
-    const auto& [camera, assumed] = *stated;
+    const auto& [camera, assumed, left_out, no_emissivity] = *stated;
+    try {
+      require_camera(facts.path, camera);
+    } catch (const mtf::UsageError& error) {
+      return std::string("no temperatures of the counts: ") + error.what();
+    }
     std::string text = "temperatures of the counts";
     for (const auto& [word, count] : {std::pair{" from ", *channel.min}, {" to ", *channel.max}}) {
       const auto s = sensitivity_of(count, camera, assumed);
@@ -211,7 +224,7 @@ std::string counts_remark(const ImageFacts& facts) {
               " K for 1 K of reflected, " + significant(0.01 * s.transmission, 2) +
               " K for 0.01 of the air's transmission, " + significant(s.air, 2) + " K for 1 K of air)";
     }
-    return text + ", by " + thermometry_words(assumed);
+    return text + ", by " + thermometry_words(assumed) + left_out + no_emissivity;
   }
   return "";
 }
@@ -224,6 +237,8 @@ ImageFacts image_facts(const InfoOptions& options) {
   facts.info = mtf::io::read_info(options.file);
   if (facts.info.format == mtf::io::Format::tiff && options.read.part)  // another page
     facts.info = mtf::io::read_raster_info(options.file, mtf::io::Format::tiff, *options.read.part);
+  if (const auto open = mtf::io::row_of(facts.info.format).raw; open != nullptr && options.read.part)
+    facts.info = mtf::io::read_raw_info(options.file, open, *options.read.part);
   facts.values = meaning(facts.info);
   facts.remarks = facts.info.notes;
   for (std::string remark : {encoding_remark(facts.info), mtf::io::aspect_note(facts.info)})
@@ -236,7 +251,7 @@ ImageFacts image_facts(const InfoOptions& options) {
   }
   // The refusal of the reader lists what there is.
   if (facts.channels.empty() && (wanted || layer || part))
-    static_cast<void>(mtf::io::choose_channels(options.file, facts.info.channels, options.read));
+    static_cast<void>(mtf::io::read_image(options.file, options.read));
   if (mtf::io::row_of(facts.info.format).in_pieces())
     measure_in_turn(facts, options);
   else

@@ -182,15 +182,14 @@ class Converter {
     const auto stated = stated_camera(scene.info.attributes);
     if (stated) {
       assumed_ = stated->assumed;
+      left_out = stated->left_out;
       if (!counts_) counts_ = stated->camera;
       const mtf::SettingsTable* table = find_table(config.tables, "scene");
       const bool own_emissivity = table != nullptr && table->find("emissivity") != nullptr;
       if (!scene_.surroundings_k && (!own_emissivity || stated->assumed.reflected_k > 0.0))
         scene_.surroundings_k = stated->assumed.reflected_k;
       if (!own_emissivity) {
-        const std::string given = attribute(scene, "scene.emissivity");
-        if (const auto e = mtf::io::cell_number(given); e && *e != stated->assumed.emissivity)
-          left_out = "; the file's emissivity " + given + ", outside of (0, 1], is left out";
+        left_out += stated->no_emissivity;
         scene_.emissivity.number = stated->assumed.emissivity;
         emissivity_ = radiometry::constant_spectrum("the file's", stated->assumed.emissivity);
       }
@@ -210,6 +209,7 @@ class Converter {
       throw mtf::UsageError(file_ +
                             ": a scene of counts needs [camera_counts] with the constants of the camera that wrote "
                             "it, or [scene] quantity and gain that make a radiance or temperature of them");
+    require_camera(file_, *counts_);
     temperature_of_counts(image.view(), *counts_, assumed_, options_.threads);
   }
 

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "mtf/error.h"
 #include "mtf/io/csv/csv_cells.h"
 #include "mtf/words.h"
 
@@ -12,27 +13,52 @@ std::optional<StatedCamera> stated_camera(const std::map<std::string, std::strin
   const auto read = [&](const char* name, double& value) {
     const auto found = attributes.find(name);
     if (found == attributes.end()) return false;
-    const auto number = mtf::io::cell_number(found->second.substr(0, found->second.find(' ')));
-    if (number) value = *number;
-    return number.has_value();
+    value = mtf::io::cell_number(found->second.substr(0, found->second.find(' '))).value_or(std::nan(""));
+    return true;
   };
   StatedCamera stated;
-  auto& [camera, assumed] = stated;
+  auto& [camera, assumed, left_out, no_emissivity] = stated;
   if (!(read("camera_counts.R1", camera.r1) && read("camera_counts.B", camera.b_k) &&
         read("camera_counts.F", camera.f) && read("camera_counts.O", camera.o) && read("camera_counts.R2", camera.r2)))
     return std::nullopt;
-  if (double e = 1.0; read("scene.emissivity", e) && e > 0.0 && e <= 1.0) assumed.emissivity = e;
-  read("scene.surroundings", assumed.reflected_k);
-  if (double w = 1.0; read("flir.window_transmission", w) && w > 0.0 && w <= 1.0) assumed.window_transmission = w;
-  read("flir.window_temperature", assumed.window_k);
+  const auto take = [&](const char* name, const std::string& words, double most, double& to, std::string& out) {
+    double value = to;
+    if (!read(name, value)) return;
+    if (value > 0.0 && value <= most)
+      to = value;
+    else
+      out += "; the file's " + words + " " + attributes.at(name) + ", outside of (0, " + mtf::significant(most, 3) +
+             "], is left out";
+  };
+  constexpr double hottest_k = 1e5;
+  take("scene.emissivity", "emissivity", 1.0, assumed.emissivity, no_emissivity);
+  take("scene.surroundings", "temperature of the surroundings", hottest_k, assumed.reflected_k, left_out);
+  take("flir.window_transmission", "transmission of the window", 1.0, assumed.window_transmission, left_out);
+  take("flir.window_temperature", "temperature of the window", hottest_k, assumed.window_k, left_out);
+  take("flir.air_temperature", "temperature of the air", hottest_k, assumed.air_k, left_out);
   radiometry::CountAir air;
-  const bool known = read("flir.distance", air.distance_m) && read("flir.air_temperature", air.air_k) &&
-                     read("flir.relative_humidity", air.humidity) && read("flir.alpha1", air.alpha1) &&
-                     read("flir.alpha2", air.alpha2) && read("flir.beta1", air.beta1) &&
-                     read("flir.beta2", air.beta2) && read("flir.X", air.x);
-  assumed.air_k = air.air_k;
-  if (const double t = known ? transmission_of(air) : 1.0; !std::isnan(t)) assumed.transmission = t;
+  if (read("flir.distance", air.distance_m) && read("flir.air_temperature", air.air_k) &&
+      read("flir.relative_humidity", air.humidity) && read("flir.alpha1", air.alpha1) &&
+      read("flir.alpha2", air.alpha2) && read("flir.beta1", air.beta1) && read("flir.beta2", air.beta2) &&
+      read("flir.X", air.x)) {
+    const double t = air.humidity >= 0.0 && air.humidity <= 1.0 ? transmission_of(air) : std::nan("");
+    if (std::isnan(t))
+      left_out += "; the file's air, of distance " + attributes.at("flir.distance") + ", temperature " +
+                  attributes.at("flir.air_temperature") + " and humidity " + attributes.at("flir.relative_humidity") +
+                  ", has no transmission in (0, 1] and is left out";
+    else
+      assumed.transmission = t;
+  }
   return stated;
+}
+
+void require_camera(const std::string& file, const radiometry::CountCamera& camera) {
+  try {
+    radiometry::require_valid(file + ": camera_counts", camera);
+  } catch (const mtf::UsageError& error) {
+    throw mtf::UsageError(std::string(error.what()) +
+                          "; give the camera's constants in [camera_counts] of the sensor file");
+  }
 }
 
 std::string thermometry_words(const radiometry::Thermometry& assumed) {

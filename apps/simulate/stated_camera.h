@@ -15,11 +15,16 @@ namespace apps {
 struct StatedCamera {
   radiometry::CountCamera camera;
   radiometry::Thermometry assumed;
+  /// "; the file's ..., is left out" of numbers that cannot be, "" where all can; the emissivity by itself.
+  std::string left_out{}, no_emissivity{};
 };
 
 /// Nothing where a constant of the camera is missing. What is missing of surface, air and window counts nothing, and so
-/// do an emissivity outside of (0, 1], and air and window whose numbers give no transmission above 0, up to 1.
+/// does what is left out: an emissivity outside of (0, 1], and air and window whose numbers give no transmission there.
 std::optional<StatedCamera> stated_camera(const std::map<std::string, std::string>& attributes);
+
+/// Throws UsageError, naming the file and what to do, for constants out of their bounds.
+void require_camera(const std::string& file, const radiometry::CountCamera& camera);
 
 /// "emissivity 0.95, reflected 293.15 K, transmission of the air 0.99 at 293.15 K"
 std::string thermometry_words(const radiometry::Thermometry& assumed);

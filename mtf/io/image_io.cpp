@@ -267,10 +267,12 @@ ImageWindows::ImageWindows(const std::string& path, const ReadOptions& options) 
   const ImageFormat& row = row_of(detect_format(path));
   if (!row.in_pieces())
     throw UsageError(path + ": " + std::string(row.name) + " cannot be read in pieces; convert it to OpenEXR or ENVI");
-  if (row.raw == nullptr)
+  if (row.raw == nullptr) {
     exr_ = std::make_unique<ExrWindows>(path, options);
-  else
+  } else {
     raw_ = std::make_unique<RawWindows>(path, row.raw, options);
+    raw_->note_rounding();
+  }
 }
 
 FileInfo read_info(const std::string& path) { return row_of(detect_format(path)).info(path); }

@@ -13,8 +13,8 @@ namespace mtf::io {
 
 class ImageWindows {
  public:
-  /// Opens and checks; reads no pixels. Throws as read_image, but for the memory that whole planes would need, and
-  /// UsageError for formats that cannot be read in pieces.
+  /// Opens and checks; reads no pixels but those of numbers that float32 may change. Throws as read_image, but for the
+  /// memory that whole planes would need, and UsageError for formats that cannot be read in pieces.
   ImageWindows(const std::string& path, const ReadOptions& options);
 
   /// As read_image has it, without planes.

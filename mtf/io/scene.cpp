@@ -3,6 +3,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <utility>
 
 #include "mtf/error.h"
 #include "mtf/io/csv/csv_cells.h"
@@ -167,8 +168,14 @@ std::int64_t make_physical(const Scene& scene, ImageView<float> image) {
   const double gain = scene.scaling.gain, offset = scene.scaling.offset;
   if (gain == 1.0 && offset == 0.0) return outside;
   for (std::int64_t y = 0; y < image.height; ++y)
-    for (std::int64_t x = 0; x < image.width; ++x)
-      image.at(x, y) = static_cast<float>(gain * static_cast<double>(image.at(x, y)) + offset);
+    for (std::int64_t x = 0; x < image.width; ++x) {
+      const float stored =
+          std::exchange(image.at(x, y), static_cast<float>(gain * static_cast<double>(image.at(x, y)) + offset));
+      if (std::isinf(image.at(x, y)) && std::isfinite(stored))
+        throw UsageError(words_of(scene.scaling) + " of [scene] take the stored value " +
+                         format_double(static_cast<double>(stored)) + " at column " + std::to_string(x) + ", row " +
+                         std::to_string(y) + " beyond 3.4e38, the largest of float32; correct them");
+    }
   return outside;
 }
 

@@ -448,6 +448,10 @@ TEST(CharacterizeRefusals, BadDescriptorsAndFrames) {
   write_cube(scratch / "shifted.npy", 900.0, 4, 9, 16);
   expect_error(run("[camera]\nbits = 16\n" + stack("shifted.npy", "relative = 3")), 2,
                {"multiples of 16", "step = 16"});
+  // Two counts as one of 32 bits, from 2^24 to 2^25, where floats are 2 apart.
+  write_file(scratch / "high.npy", replaced(replaced(read_file(scratch / "c1.npy"), ">u2", ">u4"), "(4,", "(2,"));
+  expect_error(run("[camera]\nbits = 26\n" + stack("high.npy", "relative = 3")), 2,
+               {"high.npy", "multiples of 2", "2^24", "subtract a constant"});
   EXPECT_EQ(run("[camera]\nbits = 12\nstep = 16\n" + stack("shifted.npy", "relative = 3")).status, 2);
   const std::string cut = read_file(scratch / "c3.npy");
   write_file(scratch / "cut.npy", cut.substr(0, cut.size() / 2));

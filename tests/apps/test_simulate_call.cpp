@@ -153,6 +153,25 @@ TEST_F(SimulateCall, AFileSaysWhatItsCountsAre) {
   expect_says(said, {"by [camera_counts] with emissivity 0.9"});
   EXPECT_GT(difference(image(with("emissivity = 0.8\nsurroundings = \"285 K\"\n", ""), counts), expected), 10.0);
   expect_says(said, {"emissivity 0.8, reflected 285 K"});
+  auto& attributes = counts.image->info.attributes;
+  for (const auto& [key, value] : {std::pair{"flir.window_transmission", "1.5"},
+                                   {"scene.emissivity", "nan"},
+                                   {"flir.distance", "-3 m"},
+                                   {"flir.air_temperature", "290 K"},
+                                   {"flir.relative_humidity", "0.5"},
+                                   {"flir.alpha1", "0.006569"},
+                                   {"flir.alpha2", "0.01262"},
+                                   {"flir.beta1", "-0.002276"},
+                                   {"flir.beta2", "-0.00667"},
+                                   {"flir.X", "1.9"}})
+    attributes[key] = value;
+  static_cast<void>(image(sensor("camera.toml"), counts));
+  expect_says(said, {"transmission of the window 1.5", "emissivity nan", "air, of distance -3 m"});
+  attributes["flir.distance"] = "3 m", attributes["flir.relative_humidity"] = "1.5";
+  static_cast<void>(image(sensor("camera.toml"), counts));
+  expect_says(said, {"humidity 1.5"});
+  attributes["camera_counts.F"] = "0";
+  expect_refused<mtf::UsageError>({"F = 0", "[camera_counts]"}, [&] { image(sensor("camera.toml"), counts); });
 }
 
 TEST_F(SimulateCall, GivesTheFramesOfTheCommandInTheirOrder) {

@@ -240,12 +240,16 @@ WeatherFile parse_pvgis(std::string_view text, const std::string& source, const 
                             ": warning: the file does not state its irradiance time offset, as those of PVGIS 5.3 do; "
                             "sunlight is taken to be that around the stamp, and may be up to half an hour off");
   std::vector<HourStamp> stamps;
+  std::size_t explanation = 0;  // the line of the first
   while (!text.empty()) {
     const auto cells = next_cells(text);
     ++line;
     if (cells.size() == 1 && cells.front().empty()) continue;
     const bool digit = !cells.front().empty() && cells.front().front() >= '0' && cells.front().front() <= '9';
-    if (!digit && cells.size() < names.size()) break;  // explanations follow
+    if (digit && explanation > 0 && cells.size() == names.size())
+      RecordCells(source, explanation, cells).fail("this line is no record, and records follow it; take it out");
+    if (!digit && cells.size() < names.size() && explanation == 0) explanation = line;
+    if (explanation > 0) continue;
     const RecordCells record(source, line, cells);
     stamps.push_back(pvgis_stamp(record));
     all.line.push_back(line);

@@ -65,7 +65,8 @@ struct Codecs {
   /// Of a PNG of that many bytes in a file or in memory, which `path` names.
   std::vector<Image> (*decode_png)(const std::string& path, std::istream& file, std::int64_t bytes,
                                    const RasterHeader& header);
-  std::vector<Image> (*decode_tiff)(const std::string& path, const RasterHeader& header);
+  /// Adds to the header's notes what float32 takes from doubles.
+  std::vector<Image> (*decode_tiff)(const std::string& path, RasterHeader& header);
   std::vector<Image> (*decode_jpeg)(const std::string& path, const RasterHeader& header);
   /// Counts of 9 to 16 bits, as 16 bits of this machine, of a JPEG-LS in memory; null where CharLS was not there.
   std::vector<char> (*decode_jpeg_ls)(const std::string& path, const std::string& bytes, std::int64_t width,

@@ -22,7 +22,7 @@ namespace mtf::io::module {
 namespace {
 
 template <class T>
-void place_samples(const Piece& piece, std::vector<Image>& planes) {
+void place_samples(const Piece& piece, const RasterHeader& header, std::vector<Image>& planes) {
   for (std::size_t c = 0; c < planes.size(); ++c) {
     const std::int64_t width = std::min(piece.width, planes[c].width() - piece.x);
     const std::int64_t height = std::min(piece.height, planes[c].height() - piece.y);
@@ -30,6 +30,10 @@ void place_samples(const Piece& piece, std::vector<Image>& planes) {
       const T* from = static_cast<const T*>(piece.samples) + y * piece.row_samples + static_cast<std::int64_t>(c);
       float* to = planes[c].view().row(piece.y + y) + piece.x;
       for (std::int64_t x = 0; x < width; ++x) to[x] = static_cast<float>(from[x * piece.pixel_samples]);
+      if constexpr (std::is_same_v<T, double>)
+        for (std::int64_t x = 0; x < width; ++x)
+          if (!header.no_data || to[x] != header.no_data->value)
+            piece.rounding[c].add(from[x * piece.pixel_samples], to[x]);
     }
   }
 }
@@ -43,12 +47,12 @@ std::vector<Image> empty_planes(const RasterHeader& header) {
 }
 
 void place(const Piece& piece, const RasterHeader& header, std::vector<Image>& planes) {
-  if (header.type == "uint8") return place_samples<std::uint8_t>(piece, planes);
-  if (header.type == "uint16") return place_samples<std::uint16_t>(piece, planes);
-  if (header.type == "int8") return place_samples<std::int8_t>(piece, planes);
-  if (header.type == "int16") return place_samples<std::int16_t>(piece, planes);
-  if (header.type == "double") return place_samples<double>(piece, planes);
-  place_samples<float>(piece, planes);
+  if (header.type == "uint8") return place_samples<std::uint8_t>(piece, header, planes);
+  if (header.type == "uint16") return place_samples<std::uint16_t>(piece, header, planes);
+  if (header.type == "int8") return place_samples<std::int8_t>(piece, header, planes);
+  if (header.type == "int16") return place_samples<std::int16_t>(piece, header, planes);
+  if (header.type == "double") return place_samples<double>(piece, header, planes);
+  place_samples<float>(piece, header, planes);
 }
 
 void mark_no_data(const RasterHeader& header, std::vector<Image>& planes) {

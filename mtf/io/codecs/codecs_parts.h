@@ -7,13 +7,14 @@
 #include <vector>
 
 #include "mtf/io/codecs/codecs.h"
+#include "mtf/io/float_rounding.h"
 
 namespace mtf::io::module {
 
 RasterHeader tiff_header(const std::string& path, std::int64_t file_bytes, int page);
 std::vector<Image> decode_png(const std::string& path, std::istream& file, std::int64_t bytes,
                               const RasterHeader& header);
-std::vector<Image> decode_tiff(const std::string& path, const RasterHeader& header);
+std::vector<Image> decode_tiff(const std::string& path, RasterHeader& header);
 std::vector<Image> decode_jpeg(const std::string& path, const RasterHeader& header);
 int encode_png(int descriptor, const RasterData& data);
 int encode_tiff(int descriptor, const RasterData& data);
@@ -33,6 +34,7 @@ struct Piece {
   std::int64_t x, y, width, height;
   std::int64_t row_samples;  ///< from row to row
   int pixel_samples;         ///< from pixel to pixel
+  Rounding* rounding{};      ///< one a plane, for doubles
 };
 
 /// Copies the part of the piece that lies in the image.

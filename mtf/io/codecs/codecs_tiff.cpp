@@ -503,7 +503,7 @@ RasterHeader tiff_header(const std::string& path, std::int64_t file_bytes, int p
 }
 
 // Strips lie as tiles of the width of the image. A piece that cannot be decoded is an error: some would fill in zeros.
-std::vector<Image> decode_tiff(const std::string& path, const RasterHeader& header) {
+std::vector<Image> decode_tiff(const std::string& path, RasterHeader& header) {
   silence_tiff();
   const TiffHandle handle(TIFFOpen(path.c_str(), "rm"));
   TIFF* tiff = handle.get();
@@ -526,6 +526,7 @@ std::vector<Image> decode_tiff(const std::string& path, const RasterHeader& head
   const std::int64_t row_bytes = (static_cast<std::int64_t>(across) * samples * bits + 7) / 8;
   if (across == 0 || down == 0 || size < row_bytes * down) damaged(path, "its pieces have no size");
   std::vector<Image> planes = empty_planes(header);
+  std::vector<Rounding> rounding(planes.size());
   std::vector<unsigned char> piece(static_cast<std::size_t>(size));
   const std::uint32_t a_row = (width - 1) / across + 1, count = a_row * ((rows - 1) / down + 1);
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -540,13 +541,16 @@ std::vector<Image> decode_tiff(const std::string& path, const RasterHeader& head
       const std::vector<std::uint16_t> wide = unpacked(piece, row_samples, high);
       place({wide.data(), x, y, across, high, std::int64_t{across} * samples, samples}, header, planes);
     } else if (palette.empty()) {
-      place({piece.data(), x, y, across, high, std::int64_t{across} * samples, samples}, header, planes);
+      place({piece.data(), x, y, across, high, std::int64_t{across} * samples, samples, rounding.data()}, header,
+            planes);
     } else {
       const std::vector<unsigned char> colours = coloured(piece, palette);
       place({colours.data(), x, y, across, high, std::int64_t{across} * 3, 3}, header, planes);
     }
   }
   mark_no_data(header, planes);
+  for (std::size_t c = 0; c < planes.size(); ++c)
+    rounding[c].note(path, std::string(1, planes.size() == 1 ? 'Y' : "RGB"[c]), header.notes);
   return planes;
 }
 

@@ -67,7 +67,7 @@ void add_counts(const std::string& path, const RasterHeader& header, FileInfo& i
   }
 }
 
-std::vector<Image> decode_raster(const std::string& path, Format format, const RasterHeader& header) {
+std::vector<Image> decode_raster(const std::string& path, Format format, RasterHeader& header) {
   if (format == Format::png) {
     std::ifstream file(path, std::ios::binary);
     return codecs().decode_png(path, file, input_file_size(path), header);
@@ -85,12 +85,15 @@ FileInfo read_raster_info(const std::string& path, Format format, int page) {
 }
 
 ImageFile read_raster(const std::string& path, Format format, const ReadOptions& options) {
-  const RasterHeader header = raster_header(path, format, options.part.value_or(0));
+  RasterHeader header = raster_header(path, format, options.part.value_or(0));
   ImageFile image;
   image.info = describe(header, format);
   if (options.channel == "counts" && !(header.flir.empty() && header.dji.empty()))
     return read_raw(path, open_flir, {.channel = {}, .layer = {}, .part = 0});
   add_counts(path, header, image.info);
+  if (format == Format::jpeg && options.channel == "counts")
+    for (const std::string& note : header.notes)
+      if (note.find("raw counts of the camera") != std::string::npos) throw RuntimeError(path + ": " + note);
   if (format == Format::jpeg && options.channel && *options.channel != "Y")
     throw UsageError(path +
                      ": of a JPEG only the luminance plane Y is read: its colours are mixed and mostly of fewer "
@@ -101,7 +104,9 @@ ImageFile read_raster(const std::string& path, Format format, const ReadOptions&
     if (image.info.channels[i].name == "A")
       throw UsageError(path + ": the alpha channel is not image data; choose Y or R, G, B");
   check_plane_size(path, header.width, header.height, header.colours);
+  const auto noted = std::ssize(header.notes);
   std::vector<Image> planes = decode_raster(path, format, header);
+  image.info.notes.insert(image.info.notes.end(), header.notes.begin() + noted, header.notes.end());
   for (const std::size_t i : choice.indices) image.planes.push_back(std::move(planes.at(i)));
   image.names = choice.names;
   image.integer = header.type != "float" && header.type != "double";

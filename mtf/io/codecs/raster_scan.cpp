@@ -470,7 +470,8 @@ RasterHeader scan_jpeg(const std::string& path, std::vector<unsigned char>* crit
     unsupported_jpeg(path, "a JPEG that stores red, green and blue and has no luminance plane");
   RasterHeader header = std::move(facts.header);
   if (const auto all = static_cast<std::size_t>(facts.last_flir) + 1; !facts.flir.empty() && facts.flir.size() != all)
-    header.notes.push_back(std::to_string(facts.flir.size()) + " of " + std::to_string(all) +
+    header.notes.push_back(std::to_string(facts.flir.size()) + (facts.flir.size() < all ? " of " : " in place of ") +
+                           std::to_string(all) +
                            " segments with the raw counts of the camera are in it: they are not read");
   else
     for (const auto& [number, stretch] : facts.flir) header.flir += stretch;

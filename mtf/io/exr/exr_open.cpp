@@ -395,14 +395,14 @@ FileInfo describe_exr(const Imf::MultiPartInputFile& file, int part) {
 }
 
 Imf::FrameBuffer frame_buffer(const std::vector<std::string>& channels, const std::vector<float*>& planes,
-                              std::int64_t x0, std::int64_t y0, std::int64_t stride) {
+                              std::int64_t x0, std::int64_t y0, std::int64_t stride, bool whole_numbers) {
   Imf::FrameBuffer buffer;
   for (std::size_t i = 0; i < channels.size(); ++i) {
     // The library adds coordinates to a base outside the plane; through integers this is well defined.
     const auto origin = static_cast<std::uintptr_t>((y0 * stride + x0) * std::int64_t{sizeof(float)});
     auto* base = reinterpret_cast<char*>(reinterpret_cast<std::uintptr_t>(planes[i]) - origin);
-    buffer.insert(channels[i],
-                  Imf::Slice(Imf::FLOAT, base, sizeof(float), static_cast<std::size_t>(stride) * sizeof(float)));
+    buffer.insert(channels[i], Imf::Slice(whole_numbers ? Imf::UINT : Imf::FLOAT, base, sizeof(float),
+                                          static_cast<std::size_t>(stride) * sizeof(float)));
   }
   return buffer;
 }
@@ -451,6 +451,7 @@ OpenedExr::OpenedExr(const std::string& path, const ReadOptions& options)
   for (const std::size_t i : choice.indices) {
     channels.push_back(image.info.channels[i].name);
     image.integer = image.integer || image.info.channels[i].type == "uint";
+    whole_numbers = whole_numbers && image.info.channels[i].type == "uint";
   }
   image.names = choice.names;
   check_plane_pixels(path, data.width(), data.height());

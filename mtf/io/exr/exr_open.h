@@ -55,9 +55,10 @@ auto guarded(const std::string& path, Action&& action) {
   }
 }
 
-/// A float frame buffer over `planes` whose pixel (x0, y0) is the first sample of each plane.
+/// A float frame buffer over `planes` whose pixel (x0, y0) is the first sample of each plane; of `whole_numbers` the
+/// bits are those of uint32.
 Imf::FrameBuffer frame_buffer(const std::vector<std::string>& channels, const std::vector<float*>& planes,
-                              std::int64_t x0, std::int64_t y0, std::int64_t stride);
+                              std::int64_t x0, std::int64_t y0, std::int64_t stride, bool whole_numbers = false);
 
 /// One part opened for pixels, scan lines and tiles by the same call.
 class PixelSource {
@@ -83,6 +84,7 @@ struct OpenedExr {
   ImageFile image;                    ///< without planes
   std::vector<std::string> channels;  ///< full names of those chosen
   int part = 0;
+  bool whole_numbers = true;  ///< all of those chosen are uint32
   Window data{}, display{};
 };
 

@@ -8,6 +8,7 @@
 
 #include "mtf/io/exr/band_cache.h"
 #include "mtf/io/exr/exr_open.h"
+#include "mtf/io/raw/number_type.h"
 
 namespace mtf::io {
 namespace {
@@ -37,11 +38,11 @@ void clear_outside(const Window& data, const Window& display, Image& plane) {
 }
 
 void decode(PixelSource& source, const Window& data, const Window& display, const std::vector<std::string>& channels,
-            std::vector<Image>& planes) {
+            std::vector<Image>& planes, bool whole_numbers) {
   const bool inside = data.x0 >= display.x0 && data.x1 <= display.x1;
   std::vector<float*> direct;
   for (Image& plane : planes) direct.push_back(plane.data());
-  const Imf::FrameBuffer whole = frame_buffer(channels, direct, display.x0, display.y0, display.width());
+  const Imf::FrameBuffer whole = frame_buffer(channels, direct, display.x0, display.y0, display.width(), whole_numbers);
 
   std::vector<AlignedBuffer<float>> scratch;
   const std::int64_t rows = std::min(source.band_rows(), data.height());
@@ -56,9 +57,19 @@ void decode(PixelSource& source, const Window& data, const Window& display, cons
       for (std::size_t i = 0; i < channels.size(); ++i)
         scratch.emplace_back(static_cast<std::size_t>(data.width() * rows));
     for (const AlignedBuffer<float>& band : scratch) bands.push_back(band.data());
-    source.read(frame_buffer(channels, bands, data.x0, first, data.width()), first, last);
+    source.read(frame_buffer(channels, bands, data.x0, first, data.width(), whole_numbers), first, last);
     for (std::size_t i = 0; i < planes.size(); ++i) copy_band(bands[i], data, first, last, display, planes[i]);
   }
+}
+
+/// The bits of uint32 in place of floats become the floats.
+void convert_whole_numbers(const std::string& path, const std::string& name, Image& plane,
+                           std::vector<std::string>& notes) {
+  const auto* bytes = reinterpret_cast<const char*>(plane.data());
+  Rounding rounding;
+  to_floats({.kind = 'u', .bytes = 4, .big_endian = false}, bytes, sizeof(float), {},
+            {plane.data(), static_cast<std::size_t>(plane.size())}, &rounding);
+  rounding.note(path, name, notes);
 }
 
 constexpr std::int64_t kRowsTogether = 32, kBytesTogether = 256 << 10;  // of a band, at least
@@ -83,8 +94,11 @@ ImageFile read_exr(const std::string& path, const ReadOptions& options) {
     ImageFile image = std::move(opened.image);
     PixelSource source(opened.file, opened.part);
     for (std::int64_t i = 0; i < count; ++i) image.planes.emplace_back(display.width(), display.height());
-    decode(source, data, display, opened.channels, image.planes);
-    for (Image& plane : image.planes) clear_outside(data, display, plane);
+    decode(source, data, display, opened.channels, image.planes, opened.whole_numbers);
+    for (std::size_t i = 0; i < image.planes.size(); ++i) {
+      clear_outside(data, display, image.planes[i]);
+      if (opened.whole_numbers) convert_whole_numbers(path, image.names[i], image.planes[i], image.info.notes);
+    }
     return image;
   });
 }
@@ -149,6 +163,8 @@ ExrWindows::ExrWindows(const std::string& path, const ReadOptions& options) : im
   impl_->path = path;
   impl_->options = options;
   guarded(path, [&] { impl_->exr = std::make_unique<Impl::Opened>(path, options); });
+  if (impl_->exr->image.integer)
+    impl_->exr->image.info.notes.emplace_back("whole numbers above 2^24 are rounded to float32");
   const std::int64_t together = impl_->exr->source.band_rows();
   const std::int64_t wanted = std::max(kRowsTogether, kBytesTogether / row_bytes());
   impl_->band_rows = std::max<std::int64_t>(1, wanted / together) * together;

@@ -68,7 +68,7 @@ std::vector<RawImage> open_camera_raw(const std::string& path) {
   describe(camera, info);
   name_channels(image, {"Y"});
   image.decode = [path, width = camera.width, size = camera.width * camera.height, counts = std::make_shared<Counts>()](
-                     std::int64_t, std::int64_t x, std::int64_t y, ImageView<float> out) {
+                     std::int64_t, std::int64_t x, std::int64_t y, ImageView<float> out, Rounding*) {
     std::call_once(counts->decoded, [&] {
       counts->values = libraw().counts(path);
       if (std::ssize(counts->values) != size)

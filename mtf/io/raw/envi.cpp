@@ -191,6 +191,8 @@ void set_envi_meaning(EnviKeys& keys, RawImage& image) {
   const auto set = [&](const char* key, double Meaning::*to) {
     if (!keys.has(key)) return;
     const std::vector<double> numbers = keys.take_numbers(key, bands);
+    if (to == &Meaning::gain && std::ranges::find(numbers, 0.0) != numbers.end())
+      keys.fail(key, "a gain of 0 makes all values alike");
     for (std::size_t b = 0; b < numbers.size(); ++b) image.planes[b].*to = numbers[b];
     image.info.storage += std::string(", ") + key + " applied";
   };

@@ -97,10 +97,11 @@ class FlirBytes {
   std::int64_t size_;
 };
 
-/// What the camera stores beside its counts. Numbers that are not finite are not there.
+/// What the camera stores beside its counts. Constants of its counts that are not finite are not there.
 void read_camera(const Packed& camera, std::map<std::string, std::string>& attributes) {
   const auto number = [&](const char* name, double value, const char* unit = "") {
-    if (std::isfinite(value)) attributes[name] = number_text(value) + unit;
+    if (std::isfinite(value) || !std::string_view(name).starts_with("camera_counts."))
+      attributes[name] = number_text(value) + unit;
   };
   number("camera_counts.R1", camera.real(0x58));
   number("camera_counts.B", camera.real(0x5c));
@@ -204,6 +205,20 @@ RawImage dji_image(const std::string& path, const RasterHeader& header) {
   image.info.format = Format::flir;
   image.info.storage = "16-bit of DJI";
   image.held.assign(header.dji.begin(), header.dji.end());
+  // Pictures are turned upright, their counts may not be: of two shapes that in which neighbours down are more alike.
+  const auto unlike = [&](std::int64_t width) {
+    std::vector<float> counts(image.held.size() / 2);
+    to_floats(image.type, image.held.data(), 2, {}, counts);
+    double sum = 0.0;
+    for (auto at = counts.begin() + width; at < counts.end(); ++at)
+      sum += static_cast<double>(std::abs(*at - at[-width]));
+    return sum / static_cast<double>((std::ssize(counts) - width) * width);  // of a ramp the same for all widths
+  };
+  if (std::int64_t& width = image.info.width, &height = image.info.height;
+      width > 1 && height > 1 && unlike(height) < 0.7 * unlike(width)) {
+    std::swap(width, height);
+    image.info.notes.push_back("its counts lie in rows of " + std::to_string(width) + ", turned against the picture");
+  }
   state_counts(image.info);
   interleave_pixels(image);
   name_channels(image, {"counts"});

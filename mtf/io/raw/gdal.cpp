@@ -54,13 +54,15 @@ RawImage image_of(const std::string& path, GdalImage from, int part) {
                     : from.bands.size() > 1 ? "band " + std::to_string(names.size() + 1)
                                             : "Y");
   }
+  if (const auto& [gain, offset, none] = image.planes.front(); gain != 1.0 || offset != 0.0)
+    info.storage += ", scale " + format_double(gain) + " and offset " + format_double(offset) + " applied";
   if (const auto& no_data = from.bands.front().no_data)
     note_no_data(info, format_double(*no_data) + " (as the file states it)");
   name_channels(image, names, part);
   for (ChannelInfo& channel : info.channels) channel.part_name = from.name;
   image.decode = [gdal = &gdal(), path, planes = image.planes, dataset = from.dataset,
                   one_at_a_time = std::make_shared<std::mutex>()](std::int64_t plane, std::int64_t x, std::int64_t y,
-                                                                  ImageView<float> out) {
+                                                                  ImageView<float> out, Rounding* rounding) {
     const std::int64_t rows = strip_rows(out.width, out.height);
     std::vector<double> strip(static_cast<std::size_t>(rows * out.width));
     for (std::int64_t first = 0; first < out.height; first += rows) {
@@ -72,7 +74,8 @@ RawImage image_of(const std::string& path, GdalImage from, int part) {
       for (std::int64_t row = 0; row < count; ++row)
         to_floats({.kind = 'f', .bytes = 8, .big_endian = std::endian::native == std::endian::big},
                   reinterpret_cast<const char*>(strip.data() + row * out.width), sizeof(double),
-                  planes[static_cast<std::size_t>(plane)], {out.row(first + row), static_cast<std::size_t>(out.width)});
+                  planes[static_cast<std::size_t>(plane)], {out.row(first + row), static_cast<std::size_t>(out.width)},
+                  rounding);
     }
   };
   return image;

@@ -83,6 +83,18 @@ GdalBand band_of(const std::string& path, GDALRasterBandH from, int number) {
   if (has != 0) band.offset = offset;
   const double no_data = GDALGetRasterNoDataValue(from, &has);
   if (has != 0) band.no_data = no_data;
+  // Attributes of netCDF, which its driver applies and that of HDF5 does not: NAME_scale_factor and so on.
+  char** attributes = GDALGetMetadata(from, nullptr);
+  for (int i = 0; i < CSLCount(attributes); ++i) {
+    const std::string_view line = attributes[i], name = line.substr(0, line.find('='));
+    const auto is = [&](std::string_view ending) {
+      return name == ending || name.ends_with("_" + std::string(ending));
+    };
+    const double value = CPLAtof(attributes[i] + std::min(name.size() + 1, line.size()));
+    if (is("scale_factor")) band.gain = value;
+    if (is("add_offset")) band.offset = value;
+    if (is("_FillValue")) band.no_data = value;
+  }
   if (!std::isfinite(band.gain) || band.gain == 0.0 || !std::isfinite(band.offset))
     fail(path, "band " + std::to_string(number) + " has no finite scale and offset");
   return band;

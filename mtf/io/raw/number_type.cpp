@@ -22,11 +22,14 @@ Number number_at(const char* from, bool turned) {
 }
 
 template <class Number>
-void convert_numbers(bool turned, const char* from, std::int64_t step, const Meaning& meaning,
-                     std::span<float> values) {
+void convert_numbers(bool turned, const char* from, std::int64_t step, const Meaning& meaning, std::span<float> values,
+                     Rounding* rounding) {
+  // Whole numbers of 64 bits have more digits than double.
+  using Exact = std::conditional_t<std::is_integral_v<Number> && sizeof(Number) == 8, long double, double>;
   const auto count = static_cast<std::int64_t>(values.size());
   const bool plain = meaning.gain == 1.0 && meaning.offset == 0.0;
-  if (plain && !meaning.no_data && !turned && step == sizeof(Number)) {  // most files: as fast as memory
+  if (plain && (std::is_same_v<Number, float> || sizeof(Number) < 4)) rounding = nullptr;  // exact
+  if (plain && !rounding && !meaning.no_data && !turned && step == sizeof(Number)) {  // most files: as fast as memory
     for (std::int64_t i = 0; i < count; ++i)
       values.data()[i] = static_cast<float>(number_at<Number>(from + i * std::int64_t{sizeof(Number)}, false));
     return;
@@ -37,12 +40,14 @@ void convert_numbers(bool turned, const char* from, std::int64_t step, const Mea
   for (std::int64_t i = 0; i < count; ++i) {
     const auto number = number_at<Number>(from + i * step, turned);
     float& value = values.data()[i];
-    if (meaning.no_data && static_cast<double>(number) == missing)
+    if (meaning.no_data && static_cast<double>(number) == missing) {
       value = std::numeric_limits<float>::quiet_NaN();
-    else if (plain)
-      value = static_cast<float>(number);
-    else
-      value = static_cast<float>(meaning.gain * static_cast<double>(number) + meaning.offset);
+      continue;
+    }
+    const auto exact =
+        static_cast<Exact>(number) * static_cast<Exact>(meaning.gain) + static_cast<Exact>(meaning.offset);
+    value = static_cast<float>(exact);
+    if (rounding != nullptr) rounding->add(static_cast<double>(exact), value);
   }
 }
 
@@ -60,8 +65,11 @@ std::optional<NumberType> number_type(std::string_view word) {
   return NumberType{word[1], word[2] - '0', word[0] == '>'};
 }
 
-void to_floats(NumberType type, const char* from, std::int64_t step, const Meaning& meaning, std::span<float> values) {
-  const auto as = [&]<class Number>(Number) { convert_numbers<Number>(type.big_endian, from, step, meaning, values); };
+void to_floats(NumberType type, const char* from, std::int64_t step, const Meaning& meaning, std::span<float> values,
+               Rounding* rounding) {
+  const auto as = [&]<class Number>(Number) {
+    convert_numbers<Number>(type.big_endian, from, step, meaning, values, rounding);
+  };
   const bool sign = type.kind == 'i';
   if (type.is_float()) return type.bytes == 4 ? as(float{}) : as(double{});
   if (type.bytes == 1) return sign ? as(std::int8_t{}) : as(std::uint8_t{});

@@ -9,6 +9,8 @@
 #include <string>
 #include <string_view>
 
+#include "mtf/io/float_rounding.h"
+
 namespace mtf::io {
 
 struct NumberType {
@@ -29,7 +31,9 @@ struct Meaning {
   std::optional<double> no_data{};
 };
 
-/// Numbers that lie `step` bytes apart, the first at `from`, as many as `values` holds.
-void to_floats(NumberType type, const char* from, std::int64_t step, const Meaning& meaning, std::span<float> values);
+/// Numbers that lie `step` bytes apart, the first at `from`, as many as `values` holds. `rounding` counts those that
+/// float may change.
+void to_floats(NumberType type, const char* from, std::int64_t step, const Meaning& meaning, std::span<float> values,
+               Rounding* rounding = nullptr);
 
 }  // namespace mtf::io

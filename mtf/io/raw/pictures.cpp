@@ -154,6 +154,11 @@ std::vector<RawImage> open_bmp(const std::string& path) {
   image.info.storage = std::to_string(bits) + "-bit";
   const std::int64_t samples = bits / 8, padding = (4 - samples * image.info.width % 4) % 4;
   image.begin = little_endian<std::uint32_t>(start, 10);
+  const std::size_t headers =
+      kFileHeader + header + (grey ? 4 * std::size_t{colours == 0 ? 256 : std::min(colours, 256U)} : 0);
+  if (image.begin < static_cast<std::int64_t>(headers))
+    unreadable(path, "its numbers begin at byte " + std::to_string(image.begin) + ", within its headers of " +
+                         std::to_string(headers) + " bytes; export the file again");
   check_samples(path, image, image.begin, samples, padding);
   image.planes.resize(static_cast<std::size_t>(samples));
   interleave_pixels(image, padding);

@@ -68,11 +68,14 @@ void set_no_data(RawImage& image, double value, const std::string& words) {
   note_no_data(image.info, words);
 }
 
-FileInfo read_raw_info(const std::string& path, OpenRaw open) {
-  std::vector<RawImage> images = open(path);
-  FileInfo info = images.front().info;
-  for (std::size_t i = 1; i < images.size(); ++i)
-    info.channels.insert(info.channels.end(), images[i].info.channels.begin(), images[i].info.channels.end());
+FileInfo read_raw_info(const std::string& path, OpenRaw open, int part) {
+  const std::vector<RawImage> images = open(path);
+  const auto of_part =
+      std::ranges::find_if(images, [&](const RawImage& image) { return image.info.channels.front().part == part; });
+  FileInfo info = of_part == images.end() ? images.front().info : of_part->info;
+  info.channels.clear();
+  for (const RawImage& image : images)
+    info.channels.insert(info.channels.end(), image.info.channels.begin(), image.info.channels.end());
   return info;
 }
 
@@ -105,11 +108,30 @@ RawWindows::~RawWindows() {
   if (descriptor_ >= 0) ::close(descriptor_);
 }
 
-void RawWindows::read(std::size_t first_channel, std::int64_t x, std::int64_t y,
-                      std::span<const ImageView<float>> out) const {
+void RawWindows::note_rounding() {
+  const auto plain = [](const Meaning& plane) { return plane.gain == 1.0 && plane.offset == 0.0; };
+  const NumberType& type = image_.type;
+  if ((type.bytes < 4 || (type.bytes == 4 && type.is_float())) && std::ranges::all_of(image_.planes, plain)) return;
+  const auto& [width, height] = std::pair{image_.info.width, image_.info.height};
+  constexpr std::int64_t together = 1 << 20;
+  Image strip(width, std::clamp(together / width, std::int64_t{1}, height));
+  for (std::size_t c = 0; c < chosen_.size(); ++c) {
+    Rounding rounding;
+    for (std::int64_t y = 0; y < height; y += strip.height()) {
+      ImageView<float> view = strip.view();
+      view.height = std::min(view.height, height - y);
+      read(c, 0, y, {&view, 1}, {&rounding, 1});
+    }
+    rounding.note(image_.file, file_.names[c], file_.info.notes);
+  }
+}
+
+void RawWindows::read(std::size_t first_channel, std::int64_t x, std::int64_t y, std::span<const ImageView<float>> out,
+                      std::span<Rounding> rounding) const {
   const std::span planes = std::span(chosen_).subspan(first_channel, out.size());
   if (image_.decode) {
-    for (std::size_t c = 0; c < out.size(); ++c) image_.decode(planes[c], x, y, out[c]);
+    for (std::size_t c = 0; c < out.size(); ++c)
+      image_.decode(planes[c], x, y, out[c], rounding.empty() ? nullptr : &rounding[c]);
     return;
   }
   const std::int64_t width = out.front().width;
@@ -142,8 +164,12 @@ void RawWindows::read(std::size_t first_channel, std::int64_t x, std::int64_t y,
       if (!together) fetch(y + row, planes[c], planes[c]);
       const std::int64_t at =
           image_.begin + (y + row) * image_.row_step + x * image_.pixel_step + planes[c] * image_.plane_step - from;
+      const std::span to(out[c].row(row), static_cast<std::size_t>(width));
       to_floats(image_.type, bytes.data() + at, image_.pixel_step, image_.planes[static_cast<std::size_t>(planes[c])],
-                {out[c].row(row), static_cast<std::size_t>(width)});
+                to, rounding.empty() ? nullptr : &rounding[c]);
+      if (image_.info.format == Format::pnm && static_cast<double>(std::ranges::max(to)) > image_.info.largest)
+        fail_to_read(image_.file, "a sample of row " + std::to_string(y + row) +
+                                      " is above the largest value that the header states");
     }
   }
 }
@@ -157,7 +183,9 @@ ImageFile read_raw(const std::string& path, OpenRaw open, const ReadOptions& opt
   std::vector<ImageView<float>> views;
   for (std::size_t i = 0; i < image.names.size(); ++i) image.planes.emplace_back(width, height);
   for (Image& plane : image.planes) views.push_back(plane.view());
-  windows.read(0, 0, 0, views);
+  std::vector<Rounding> rounding(views.size());
+  windows.read(0, 0, 0, views, rounding);
+  for (std::size_t i = 0; i < views.size(); ++i) rounding[i].note(path, image.names[i], image.info.notes);
   return image;
 }
 

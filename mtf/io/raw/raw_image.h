@@ -26,7 +26,8 @@ struct RawImage {
   std::int64_t begin = 0, pixel_step = 0, row_step = 0, plane_step = 0;
   std::vector<Meaning> planes{};  ///< one a plane
   /// Pixels from (x, y) on of a plane as floats, from any thread, where the numbers do not lie bare: a library decodes.
-  std::function<void(std::int64_t plane, std::int64_t x, std::int64_t y, ImageView<float> out)> decode{};
+  std::function<void(std::int64_t plane, std::int64_t x, std::int64_t y, ImageView<float> out, Rounding* rounding)>
+      decode{};
   FileInfo info{};  ///< format, size, and with channels() one for each plane
 };
 
@@ -60,7 +61,8 @@ std::vector<RawImage> open_gdal(const std::string& path);
 std::vector<RawImage> open_camera_raw(const std::string& path);
 using OpenRaw = std::vector<RawImage> (*)(const std::string& path);
 
-FileInfo read_raw_info(const std::string& path, OpenRaw open);
+/// Of the part that is asked for, the first where it is none; `channels` are those of all.
+FileInfo read_raw_info(const std::string& path, OpenRaw open, int part = -1);
 ImageFile read_raw(const std::string& path, OpenRaw open, const ReadOptions& options);
 
 /// Windows of the chosen channels, from any thread.
@@ -75,8 +77,11 @@ class RawWindows {
   /// As read_image has it, without planes.
   const ImageFile& file() const { return file_; }
   /// Pixels from (x, y) on of consecutive chosen channels, one a view of `out`, all of one size. Throws RuntimeError
-  /// where the file has become shorter.
-  void read(std::size_t first_channel, std::int64_t x, std::int64_t y, std::span<const ImageView<float>> out) const;
+  /// where the file has become shorter. `rounding` has one for each view, or none.
+  void read(std::size_t first_channel, std::int64_t x, std::int64_t y, std::span<const ImageView<float>> out,
+            std::span<Rounding> rounding = {}) const;
+  /// Notes in file() what float32 takes from the chosen channels, which are read once. Throws as Rounding::note.
+  void note_rounding();
 
  private:
   RawImage image_;

@@ -244,6 +244,8 @@ TEST(WeatherPvgis, SunlightLiesLaterThanTheStamps) {
   EXPECT_NEAR(value_at(series, air_temperature, weather.time_s[10]), 274.15, 1e-9);
   const std::string blank = replaced(pvgis_text(), "20180131:0500", "\r\n20180131:0500");
   EXPECT_EQ(parse_weather(blank, "a").weather.time_s.size(), 48u) << "a blank line ends nothing";
+  expect_says(refusal(replaced(pvgis_text(), "20180131:0500", "the rest\n20180131:0500")),
+              {"file:14: error:", "records follow"});
   const WeatherFile old = parse_weather(replaced(pvgis_text(), "Irradiance Time", "Some Time"), "a.csv");
   EXPECT_EQ(old.weather.later_s, 0.0);
   ASSERT_EQ(old.warnings.size(), 1u);

@@ -5,9 +5,12 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "mtf/error.h"
 #include "mtf/io/image_windows.h"
 #include "mtf/io/scene.h"
+#include "mtf/words.h"
 #include "tests/expect_error.h"
 #include "tests/mtf/io/io_test_files.h"
 #include "tests/replaced.h"
@@ -58,6 +61,7 @@ TEST_F(Envi, HeadersThatCannotBeReadNameTheKey) {
   for (const auto& [line, part] : {std::pair{"band names = {a, b", "never closed"},
                                    {"band names = {a}", "2 bands"},
                                    {"data gain values = {1, x}", "no number"},
+                                   {"data gain values = {1, 0}", "gain of 0"},
                                    {"data ignore value = none", "data ignore value"},
                                    {"file compression = 1", "compressed"},
                                    {"major frame offsets = {0, 16}", "major frame offsets"},
@@ -99,6 +103,49 @@ TEST_F(Envi, WindowsEqualTheWholeImage) {
   io_test::fs::resize_file(img, 40);
   mtf::Image rows(4, 3);
   expect_refused<RuntimeError>({"an image.img", "shorter"}, [&] { windows.read(0, 0, 0, rows.view()); });
+}
+
+// What float32 changes is counted a second time here, from the numbers themselves.
+TEST_F(Envi, RoundingToFloatIsSaidOrRefused) {
+  const auto write = [&](auto base, const std::string& type, const std::string& more) {
+    std::vector<decltype(base)> numbers(100 * 100);
+    for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = base + static_cast<decltype(base)>(i * i % 1009);
+    write_bytes(img, std::string(reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof base));
+    write_bytes(hdr, "ENVI\nsamples = 100\nlines = 100\nbands = 1\ninterleave = bsq\nbyte order = 0\ndata type = " +
+                         type + "\n" + more);
+    double sum = 0.0, squares = 0.0, errors = 0.0;
+    for (const auto number : numbers) {
+      const auto value = static_cast<double>(number - base);
+      sum += value, squares += value * value;
+      errors += std::pow(static_cast<double>(number) - static_cast<double>(static_cast<float>(number)), 2);
+    }
+    return std::sqrt(errors / (squares - sum * sum / 1e4));
+  };
+  for (const double base : {1e6 + 0.32, 1e5 + 0.123}) {
+    const double share = write(base, "5", "");
+    EXPECT_EQ(share > 1e-5, base > 5e5);
+    const std::vector<std::string> notes = mtf::io::read_image(img).info.notes;
+    EXPECT_EQ(says(notes, mtf::significant(100.0 * share, 2) + " % (rms)"), share > 1e-5);
+    EXPECT_EQ(notes.size(), share > 1e-5 ? 1U : 0U);
+    EXPECT_EQ(mtf::io::ImageWindows(img, {}).file().info.notes, notes);
+  }
+  const auto refused = [&](const std::string& share) {
+    expect_refused<RuntimeError>({"an image", share + " %", "constant"}, [&] { mtf::io::read_image(img); });
+    expect_refused<RuntimeError>({share + " %"}, [&] { mtf::io::ImageWindows(img, {}); });
+  };
+  const double share = write(std::int32_t{1'000'000'000}, "3", "");
+  refused(mtf::significant(100.0 * share, 2));
+  // An offset of the file comes before the rounding, in the digits of the numbers.
+  write(std::int32_t{1'000'000'000}, "3", "data offset values = {-1e9}\n");
+  mtf::io::ImageFile file = mtf::io::read_image(img);
+  EXPECT_EQ(file.planes[0].at(50, 1), static_cast<float>(150 * 150 % 1009));
+  EXPECT_FALSE(says(file.info.notes, "float32"));
+  write(std::uint64_t{1} << 60U, "15", "data offset values = {-1152921504606846976}\n");
+  EXPECT_EQ(mtf::io::read_image(img).planes[0].at(50, 1), static_cast<float>(150 * 150 % 1009));
+  write(1e300, "5", "");
+  EXPECT_TRUE(says(mtf::io::read_image(img).info.notes, "10000 values beyond the 3.4e38"));
+  write_bytes(img, std::string(100 * 100 * 8, '\x3f'));  // flat, and no float
+  EXPECT_TRUE(mtf::io::read_image(img).info.notes.empty());
 }
 
 TEST_F(Envi, SpectraNeedTheirUnit) {

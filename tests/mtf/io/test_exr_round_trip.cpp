@@ -112,15 +112,16 @@ TEST(ExrRoundTrip, HalfAndUnsigned) {
   header.channels().insert("H", Imf::Channel(Imf::HALF));
   header.channels().insert("U", Imf::Channel(Imf::UINT));
   const std::vector<half> halves{half(0.5F), half(65504.0F), half(-2.25F)};
-  const std::vector<unsigned> counts{0, 65536, 16777216};
+  std::vector<unsigned> counts{0, 65536, 16777216};
   Imf::FrameBuffer buffer;
   buffer.insert("H", Imf::Slice::Make(Imf::HALF, halves.data(), header.dataWindow()));
   buffer.insert("U", Imf::Slice::Make(Imf::UINT, counts.data(), header.dataWindow()));
-  {
-    Imf::OutputFile file((folder / "a.exr").c_str(), header);
+  const auto write = [&](const std::string& name) {
+    Imf::OutputFile file((folder / name).c_str(), header);
     file.setFrameBuffer(buffer);
     file.writePixels(1);
-  }
+  };
+  write("a.exr");
   const auto half_plane = mtf::io::read_image(folder / "a.exr", {.channel = "H", .layer = {}, .part = {}});
   const auto count_plane = mtf::io::read_image(folder / "a.exr", {.channel = "U", .layer = {}, .part = {}});
   for (std::int64_t x = 0; x < 3; ++x) {
@@ -131,6 +132,11 @@ TEST(ExrRoundTrip, HalfAndUnsigned) {
   EXPECT_TRUE(count_plane.integer);
   EXPECT_EQ(count_plane.info.channels[0].type, "half");
   EXPECT_EQ(count_plane.info.channels[1].type, "uint");
+  counts = {4000000001, 4000000130, 4000000260};  // floats are 256 apart there
+  write("b.exr");
+  expect_refused<mtf::RuntimeError>({"b.exr", "channel U", "constant"}, [&] {
+    mtf::io::read_image(folder / "b.exr", {.channel = "U", .layer = {}, .part = {}});
+  });
 }
 
 TEST(ExrRoundTrip, EveryCompressionAndWindow) {

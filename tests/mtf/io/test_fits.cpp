@@ -5,6 +5,7 @@
 #include "mtf/error.h"
 #include "mtf/io/designs/psf_fits.h"
 #include "mtf/io/image_io.h"
+#include "mtf/io/raw/raw_image.h"
 #include "tests/expect_error.h"
 #include "tests/mtf/io/io_test_files.h"
 
@@ -42,6 +43,9 @@ TEST(Fits, FilesThatCannotBeReadSayWhy) {
   refused(header_of(image("16", "-36", "40")) + data, {"NAXIS1 = -36", "whole number"});
   refused(header_of(image("12", "36", "40")) + data, {"BITPIX = 12", "-32"});
   refused(header_of(image("16", "36", "x")) + data, {"NAXIS2 = x", "no number"});
+  Cards scaled = image("16", "36", "40");
+  scaled.emplace_back("BSCALE", "0.0");
+  refused(header_of(scaled) + data, {"BSCALE = 0"});
   refused(header_of({{"SIMPLE", "T"}, {"BITPIX", "16"}}) + data, {"NAXIS is missing"});
   refused(header_of({{"SIMPLE", "T"}, {"BITPIX", "16"}, {"NAXIS", "0"}}), {"no image"});
   refused(header_of(image("16", "36", "40")).substr(0, 300), {"no END"});
@@ -52,6 +56,29 @@ TEST(Fits, FilesThatCannotBeReadSayWhy) {
   refused(empty + header_of(table) + data, {"compressed", "funpack"});
   io_test::write_bytes(path, header_of(image("16", "36", "40")) + data + header_of(table) + data);
   EXPECT_TRUE(says(mtf::io::read_info(path).notes, "1 compressed image"));
+  // A part is described by itself.
+  Cards second = image("-32", "6", "5");
+  second[0] = {"XTENSION", "'IMAGE'"};
+  io_test::write_bytes(path, header_of(image("16", "36", "40")) + data + header_of(second) + data);
+  const mtf::io::FileInfo info = mtf::io::read_raw_info(path, mtf::io::open_fits, 1);
+  EXPECT_EQ(info.width, 6);
+  EXPECT_EQ(info.channels.size(), 2U);
+  EXPECT_EQ(mtf::io::read_info(path).width, 36);
+  // PSFEx on other bases than pixels has a second column, of their coefficients.
+  Cards psf = table;
+  psf[3].second = "24";
+  psf[5] = {"TTYPE1", "'PSF_MASK'"};
+  for (const auto& card : Cards{{"TFORM1", "'4E'"},
+                                {"TTYPE2", "'PSF_COEFFS'"},
+                                {"TFORM2", "'2E'"},
+                                {"PSFNAXIS", "2"},
+                                {"PSFAXIS1", "2"},
+                                {"PSFAXIS2", "2"}})
+    psf.push_back(card);
+  io_test::write_bytes(path, empty + header_of(psf) + data);
+  EXPECT_EQ(mtf::io::read_image(path).planes.front().size(), 4);
+  psf[3].second = "12";
+  refused(empty + header_of(psf) + data, {"TFORM1 = 4E", "do not fit"});
 }
 
 // Headers as STPSF writes them: with use_detsampled_psf OVERSAMP is 1 and DET_SAMP stays at 4.

@@ -60,8 +60,8 @@ class Flir : public testing::Test {
   std::string refusal(const std::string& bytes) {
     return message_of([&] { read(bytes); });
   }
-  std::string jpeg(const std::string& segments) {
-    mtf::Image image(16, 8);
+  std::string jpeg(const std::string& segments, std::int64_t width = 16, std::int64_t height = 8) {
+    mtf::Image image(width, height);
     std::fill(image.data(), image.data() + image.size(), 100.0F);
     return io_test::JpegWriter::make(image.view(), io_test::jpeg_steps(90), false, segments);
   }
@@ -70,11 +70,12 @@ class Flir : public testing::Test {
         0xe1, std::string("FLIR\0\1", 6) + static_cast<char>(number) + static_cast<char>(last) + data);
   }
   /// A picture whose Exif data are of that maker, with its counts in two segments.
-  std::string dji(const std::string& bytes) {
+  std::string dji(const std::string& bytes, std::int64_t width = 16, std::int64_t height = 8) {
     const auto app3 = [](const std::string& stretch) { return io_test::JpegWriter::segment(0xe3, stretch); };
     return jpeg(io_test::JpegWriter::segment(
                     0xe1, std::string("Exif\0\0II*\0\x08\0\0\0\1\0\x0f\1\2\0\4\0\0\0DJI\0\0\0\0\0", 32)) +
-                app3(bytes.substr(0, 50)) + app3(bytes.substr(50)));
+                    app3(bytes.substr(0, 50)) + app3(bytes.substr(50)),
+                width, height);
   }
   /// Damage of every kind ends in one error of ours or in an image, in every form that counts have.
   void read_mutants(int rounds) {
@@ -136,6 +137,8 @@ TEST_F(Flir, AJpegIsAPictureOfItsCounts) {
   const ImageFile part = read(jpeg(segment(0, 1, half)));
   EXPECT_TRUE(says(part.info.notes.at(0), "1 of 2 segments"));
   EXPECT_EQ(part.names, std::vector<std::string>{"Y"});
+  expect_says(message_of([&] { read(jpeg(segment(0, 1, half)), {.channel = "counts"}); }), {"1 of 2 segments"});
+  expect_says(read(jpeg(segment(0, 0, half) + segment(1, 0, rest))).info.notes.at(0), {"2 in place of 1 segments"});
   EXPECT_TRUE(says(read(jpeg(segment(0, 0, half))).info.notes.at(0), "are not readable"));
 }
 
@@ -145,6 +148,13 @@ TEST_F(Flir, CountsOfDjiAreOfThePicturesSize) {
   const ImageFile image = read(dji(counts.bytes), {.channel = "counts"});
   EXPECT_EQ(image.planes.front().at(15, 7), 21000.0F);
   EXPECT_TRUE(says(image.info.notes.at(0), "what a count is worth"));
+  FlirText upright{std::string(2 * 16 * 24, '\0')};  // rows of 16
+  for (std::uint32_t i = 0; i < 16 * 24; ++i) upright.set(2 * i, 2, 100 * (i % 16) + i / 16);
+  const ImageFile turned = read(dji(upright.bytes, 24, 16), {.channel = "counts"});
+  ASSERT_EQ(turned.planes.front().width(), 16);
+  EXPECT_EQ(turned.planes.front().at(15, 23), 1523.0F);
+  EXPECT_TRUE(says(turned.info.notes, "rows of 16"));
+  EXPECT_EQ(read(dji(upright.bytes, 16, 24), {.channel = "counts"}).info.notes.size(), 1U);
   EXPECT_EQ(read(dji(counts.bytes.substr(192)), {.channel = "counts"}).planes.front().at(7, 3), 21000.0F);
   EXPECT_TRUE(says(read(dji(counts.bytes.substr(2))).info.notes.at(0), "columns and rows are not known"));
 }

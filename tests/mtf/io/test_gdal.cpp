@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 
@@ -41,6 +43,16 @@ TEST(Gdal, RowsOfHdf5AreAsStored) {  // netCDF, as GDAL writes it, begins with t
   const std::vector<float> stored = pixels_of(read_image(kFiles + "a.h5").planes.at(0));
   for (std::size_t y = 0; y < 6; ++y)
     for (std::size_t x = 0; x < 8; ++x) EXPECT_EQ(stored[y * 8 + x], original[(5 - y) * 8 + x]);
+  // gdal_translate -of netCDF -co FORMAT=NC4 -ot UInt16 -a_scale 0.01 -a_offset -50 -a_nodata 7: attributes of HDF5.
+  const ImageFile scaled = read_image(kFiles + "scaled.h5");
+  EXPECT_TRUE(scaled.info.storage.ends_with("scale 0.01 and offset -50 applied"));
+  EXPECT_TRUE(scaled.info.no_data.starts_with("7 ")) << scaled.info.no_data;
+  for (std::size_t i = 0; i < 48; ++i)
+    if (stored[i] == 7.0F)
+      EXPECT_TRUE(std::isnan(scaled.planes[0].data()[i]));
+    else
+      EXPECT_EQ(scaled.planes[0].data()[i], static_cast<float>(0.01 * double{stored[i]} - 50.0));
+  EXPECT_EQ(std::ranges::count(stored, 7.0F), 1);
 }
 
 TEST(Gdal, PlacesAreKept) {

@@ -228,6 +228,10 @@ TEST(Codecs, TiffKinds) {
   check("double", 1, false);
   write_tiff(path, 7, 5, 3, SAMPLEFORMAT_IEEEFP, counting<double>(105));
   check("double", 3, false);
+  auto high = counting<double>(105);
+  for (double& value : high) value = 1e8 + 1e-2 * value;
+  write_tiff(path, 7, 5, 3, SAMPLEFORMAT_IEEEFP, high);
+  expect_refused<RuntimeError>({"a.tif", "channel R", "constant"}, [&] { mtf::io::read_image(path); });
   write_tiff(path, 7, 5, 1, SAMPLEFORMAT_UINT, counting<std::uint16_t>(35), 3);
   check("uint16", 1, true);
   write_tiff(path, 16, 16, 1, SAMPLEFORMAT_IEEEFP, counting<float>(256), 1, 16);

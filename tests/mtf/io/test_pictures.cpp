@@ -30,6 +30,7 @@ TEST_F(Pictures, GreyMapsThatCannotBeReadSayWhy) {
   refused("P2 2 2 9\n1 2 3   ", {"sample 4 of 4", "missing"});
   refused("P2 2 2 9\n1 2 3 10", {"sample 4", "above"});
   refused("P2 1048576 1024 9\n1", {"cut off"});
+  refused("P5 2 2 9\n\1\2\3\n", {"row 1", "above"});
   refused("P4 2 2\nxx", {"none of OpenEXR"});
   io_test::write_bytes(path, "P5 2 1 4095\n" + std::string(6, '\1'));
   const mtf::io::FileInfo info = mtf::io::read_info(path);
@@ -45,6 +46,7 @@ TEST_F(Pictures, BitmapsThatCannotBeReadSayWhy) {
   refused(bmp.substr(0, 69), {"a picture", "cut off"});
   const auto with = [&](std::size_t at, char value) { return std::string(bmp).replace(at, 1, 1, value); };
   refused(with(30, '\1'), {"compression 1", "PNG"});
+  refused(with(10, '\x20'), {"byte 32", "headers of 54"});
   refused(with(28, '\4'), {"4 bits a pixel", "PNG"});
   refused(with(21, '\x7f'), {"2^31 pixels"});
   refused(with(21, '\xff'), {"no pixels"});

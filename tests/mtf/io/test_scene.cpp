@@ -13,6 +13,7 @@
 #include "mtf/error.h"
 #include "png_chunks.h"
 #include "tests/expect_error.h"
+#include "tests/replaced.h"
 
 namespace mtf::io {
 namespace {
@@ -150,6 +151,12 @@ TEST_F(SceneEncoding, GainAndOffsetThatTheFileStates) {
   EXPECT_TRUE(says(both.warnings, "gain = 0.01") && says(both.warnings, "[scene] says gain = 0.5"));
   const std::string same = "sample = \"5 um\"\nquantity = \"radiance\"\ngain = 0.01\noffset = 273.15\n";
   EXPECT_TRUE(load_scene(sensor(same), folder / "a.png", {}).warnings.empty());
+}
+
+TEST_F(SceneEncoding, AGainBeyondFloatIsNamed) {
+  const SensorConfig config = sensor(replaced(kUnits, "gain = 0.5", "gain = 1e36"));
+  expect_refused<UsageError>({"gain = 1e+36", "[scene]", "1000 at column 1, row 0"},
+                             [&] { load_scene(config, folder / "plain.png", {}); });
 }
 
 TEST_F(SceneEncoding, NotesOfTheFileAreWarnings) {
