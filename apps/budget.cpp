@@ -457,11 +457,12 @@ std::vector<radiometry::BudgetRow> nyquist_rows(const mtf::System<double>& syste
     if (system.is_isoplanatic() || system.frame.columns == 0 || system.frame.rows == 0) continue;
     rows.back().doc += ", on the optical axis";
     const OtfMap map = otf_map(rated, "mtf@nyquist", direction);
-    rows.push_back({"mtf_nyquist_" + name + ".mean", "", map.mean,
-                    "over the image, to about " + mtf::significant(map.mean_error, 1)});
+    rows.push_back(
+        {"mtf_nyquist_" + name + ".mean", "", map.mean, "over the image, " + map.error_words(map.mean_error)});
     rows.push_back({"mtf_nyquist_" + name + ".worst", "", map.worst().value,
                     "lowest of " + std::to_string(map.places.size()) + " places, at pixel (" +
-                        mtf::significant(map.worst().x_px, 5) + ", " + mtf::significant(map.worst().y_px, 5) + ")"});
+                        mtf::significant(map.worst().x_px, 5) + ", " + mtf::significant(map.worst().y_px, 5) + "), " +
+                        map.error_words(map.worst_error)});
   }
   return rows;
 }

@@ -7,7 +7,9 @@
 #include <cmath>
 #include <utility>
 
+#include "mtf/components/defocus.h"
 #include "mtf/components/double_counting.h"
+#include "mtf/components/linear_motion.h"
 #include "mtf/error.h"
 #include "mtf/otf/system_impl.h"
 #include "mtf/words.h"
@@ -70,6 +72,42 @@ std::vector<Finding> doubtful_sampling(const System<double>& system, const Compo
                                "the focal length and the aperture"}});
   }
   return doubts;
+}
+
+/// Of a flow whose points do not move along straight lines.
+std::vector<Problem> large_flow(const Flow<double>& flow) {
+  constexpr double kSmall = 0.1, kLarge = 0.5;
+  std::vector<Problem> problems;
+  for (const auto& [name, share] :
+       {std::pair{"zoom", flow.zoom.value_or(0.0)}, {"rotation", 1e-6 * flow.rotation_urad.value_or(0.0)}})
+    if (std::abs(share) > kSmall)
+      problems.push_back({.error = std::abs(share) >= kLarge,
+                          .field = name,
+                          .text = "is " + significant(std::abs(share), 3) + (name[0] == 'z' ? "" : " rad") +
+                                  " in one integration time; the formula takes paths for straight, which is right to "
+                                  "about the square of that: give 0.1 or less, or a shorter integration time"});
+  return problems;
+}
+
+/// Where a component is used beyond what its formula is made for, as the frame shows. A lens of focal length F that is
+/// focused at the range f has its image at F/(1 - F/f), and F/# N/(1 - F/f) there.
+std::vector<Problem> beyond_formula(const System<double>& system, const Component<double>& component) {
+  if (const auto* const flow = component.get_if<Flow<double>>()) return large_flow(*flow);
+  const auto* const defocus = component.get_if<Defocus<double>>();
+  if (defocus == nullptr || !defocus->focus_m) return {};
+  const double focus_m = value_of(*defocus->focus_m), focal_m = 1e-3 * system.frame.focal_length_mm,
+               share = focal_m / focus_m;
+  if (share >= 1.0)
+    return {{.field = "focus",
+             .text = format_double(focus_m) + " m lies within the focal length of " + significant(focal_m, 6) +
+                     " m, where nothing has a real image; focus farther, or correct frame.focal_length"}};
+  constexpr double kShare = 0.01;
+  if (share <= kShare) return {};
+  return {{.error = false,
+           .field = "focus",
+           .text = "is so near that the F/# of the image and its distance from the lens are " +
+                   significant(1.0 / (1.0 - share), 3) +
+                   " times those for infinity; f_number and focal_length have to be those of this focus"}};
 }
 
 /// Places all over the image at which numbers that change over the field are looked at: the whole detector, or, where
@@ -176,6 +214,7 @@ std::vector<Finding> findings_of(const System<double>& system, bool doubtful) {
       const bool varies = stage == Stage::presample &&
                           std::ranges::any_of(system.field.numbers, [i](const auto& n) { return n.entry == i; });
       if (problems.empty() && varies) problems = wrong_over_field(system, i);
+      if (problems.empty()) problems = beyond_formula(system, entry.component);
       const bool sound = std::ranges::none_of(problems, [](const Problem& p) { return p.error; });
       for (Problem& problem : problems)
         if (problem.error || doubtful)

@@ -127,10 +127,13 @@ ReadStacks read_stacks(const StacksFile& file, const Nominal& nominal, int threa
     calib::Stack stack = read_stack(entry, shapes[i], file, source);
     if (entry.step_s > 0.0) {
       try {
-        if (!stack.is_usable())
-          throw mtf::UsageError(calib::clipped_words(stack) + "; choose less light, or an offset");
-        static_cast<void>(calib::fit_lag_step(stack.sums.frame_means));  // refused before all else
-        read.lag = {entry.name, entry.step_s, stack.sums.frame_means};
+        std::vector<calib::Stack> step;
+        step.push_back(std::move(stack));
+        calib::mark_stuck(step);
+        if (!step[0].is_usable())
+          throw mtf::UsageError(calib::clipped_words(step[0]) + "; choose less light, or an offset");
+        static_cast<void>(calib::fit_lag_step(step[0].sums.frame_means));  // refused before all else
+        read.lag = {entry.name, entry.step_s, step[0].sums.frame_means};
       } catch (const mtf::UsageError& error) {
         throw mtf::UsageError(entry.name + ": " + error.what());
       }
@@ -142,6 +145,7 @@ ReadStacks read_stacks(const StacksFile& file, const Nominal& nominal, int threa
     if (!file.has_blackbodies()) calib::drop_planes(read.stacks);
   }
   if (file.has_blackbodies()) read.seen = see_blackbodies(read.stacks, file, *nominal);
+  calib::mark_stuck(read.stacks);
   read_noisy_pixels(read, entries, file, shapes, threads);
   read.warnings = std::move(source.warnings);
   if (2.0 * source.used < most)

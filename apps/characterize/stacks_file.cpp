@@ -62,13 +62,37 @@ void require_known(const Section& section, const std::array<std::string_view, N>
   cfg::check_keys(section, known);
 }
 
-/// The files of a pattern, by their names; those without * or ? as they are.
+/// Whether one name comes before another, with their numbers by value: f2 before f10, as cameras count frames.
+bool is_before(std::string_view one, std::string_view other) {
+  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+  const std::string_view whole_one = one, whole_other = other;
+  const auto take_number = [](std::string_view& text) {  // its digits without leading zeros, more of them being more
+    const std::size_t end = std::min(text.find_first_not_of("0123456789"), text.size());
+    std::string_view number = text.substr(0, end);
+    number.remove_prefix(std::min(number.find_first_not_of('0'), end));
+    text.remove_prefix(end);
+    return std::pair(number.size(), number);
+  };
+  while (!one.empty() && !other.empty()) {
+    if (is_digit(one.front()) && is_digit(other.front())) {
+      const auto a = take_number(one), b = take_number(other);
+      if (a != b) return a < b;
+    } else {
+      if (one.front() != other.front()) return one.front() < other.front();
+      one.remove_prefix(1), other.remove_prefix(1);
+    }
+  }
+  return one.size() != other.size() ? one.size() < other.size() : whole_one < whole_other;
+}
+
+/// The files of a pattern, in the order of is_before(); those without * or ? as they are.
 std::vector<std::string> files_of_pattern(const std::string& pattern) {
   if (std::error_code none; std::filesystem::exists(pattern, none)) return {pattern};
   glob_t found{};
   std::vector<std::string> files;
   if (::glob(pattern.c_str(), 0, nullptr, &found) == 0) files.assign(found.gl_pathv, found.gl_pathv + found.gl_pathc);
   ::globfree(&found);
+  std::ranges::sort(files, is_before);
   return files;
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "apps/arguments.h"
@@ -15,7 +16,16 @@
 namespace apps {
 namespace {
 
-constexpr std::size_t kSide = OtfMap::kSide;
+constexpr int kMostAlong = 129;
+
+/// Of the places those that people are shown: 9 x 9.
+std::vector<const OtfMap::Place*> shown_places(const OtfMap& map) {
+  const std::size_t step = (map.along - 1) / (mtf::kImagePlaces - 1);
+  std::vector<const OtfMap::Place*> shown;
+  for (std::size_t j = 0; j < map.along; j += step)
+    for (std::size_t i = 0; i < map.along; i += step) shown.push_back(&map.places[j * map.along + i]);
+  return shown;
+}
 
 std::string place_text(const OtfMap::Place& place) {
   return "pixel (" + significant(place.x_px, 5) + ", " + significant(place.y_px, 5) + "), field point (" +
@@ -43,8 +53,16 @@ mtf::FieldPoint<double> field_point_of(const mtf::System<double>& system, const 
   bool x_px = false, y_px = false;
   const double x = part(text.substr(0, comma), x_px), y = part(text.substr(comma + 1), y_px);
   if (x_px != y_px) throw mtf::UsageError("--field: " + text + ": give both in px, or neither");
-  if (!x_px) return {x, y};
   const mtf::Frame<double>& frame = system.frame;
+  if (!x_px) {
+    const double axis_um =
+                     std::hypot(system.field.axis_x_px * frame.pitch_x_um, system.field.axis_y_px * frame.pitch_y_um),
+                 most = 1.0 + (axis_um > 0.0 ? axis_um / system.field_radius_um() : 0.0);
+    if (!(std::hypot(x, y) <= most + 1e-9))
+      throw mtf::UsageError("--field: " + text + " is " + significant(std::hypot(x, y), 3) +
+                            " half diagonals from the optical axis; the detector ends within " + significant(most, 3));
+    return {x, y};
+  }
   const mtf::FieldPoint<double> q = system.field_point(x, y);
   if (!(x >= 0.0 && x <= frame.columns && y >= 0.0 && y <= frame.rows))
     throw mtf::UsageError("--field: " + text + " is outside the detector of " + std::to_string(frame.columns) + " x " +
@@ -55,6 +73,11 @@ mtf::FieldPoint<double> field_point_of(const mtf::System<double>& system, const 
 const OtfMap::Place& OtfMap::worst() const {
   return *std::min_element(places.begin(), places.end(),
                            [](const Place& a, const Place& b) { return a.value < b.value; });
+}
+
+std::string OtfMap::error_words(double error) const {
+  return "to about " + significant(error, 1) +
+         (follows_tables ? "" : " by every other of these places, than which positions of tables are closer");
 }
 
 OtfMap otf_map(const mtf::System<double>& system, const std::string& quantity, const Direction& direction) {
@@ -89,15 +112,20 @@ OtfMap otf_map(const mtf::System<double>& system, const std::string& quantity, c
                             significant(curves.frequency.back(), 4) + " " + direction.unit + "; use mtf@FREQ");
     }
   };
-  double every_other = 0.0;
-  for (std::size_t i = 0; const mtf::ImagePlace& from : mtf::image_places(frame.columns, frame.rows)) {
-    OtfMap::Place& place = map.places[i++];
+  double every_other = 0.0, worst = std::numeric_limits<double>::infinity();
+  const int along = mtf::image_places_along(system, kMostAlong);
+  map.along = static_cast<std::size_t>(along);
+  map.follows_tables = mtf::follows_tables(system, along);
+  for (const mtf::ImagePlace& from : mtf::image_places(frame.columns, frame.rows, along)) {
+    OtfMap::Place& place = map.places.emplace_back();
     place = {.x_px = from.x_px, .y_px = from.y_px, .q = system.field_point(from.x_px, from.y_px)};
     value_at(place);
     map.mean += from.weight * place.value;
     every_other += from.every_other * place.value;
+    if (from.every_other > 0.0) worst = std::min(worst, place.value);
   }
   map.mean_error = std::abs(map.mean - every_other);
+  map.worst_error = std::max(worst - map.worst().value, map.mean_error);
   map.axis.x_px = 0.5 * frame.columns + system.field.axis_x_px;
   map.axis.y_px = 0.5 * frame.rows + system.field.axis_y_px;
   value_at(map.axis);
@@ -106,12 +134,14 @@ OtfMap otf_map(const mtf::System<double>& system, const std::string& quantity, c
 
 std::string otf_map_table(const OtfMap& map) {
   std::vector<std::string> header{"y \\ x [px]"};
-  for (std::size_t i = 0; i < kSide; ++i) header.push_back(significant(map.places[i].x_px, 5));
+  const std::vector<const OtfMap::Place*> places = shown_places(map);
+  constexpr std::size_t kSide = mtf::kImagePlaces;
+  for (std::size_t i = 0; i < kSide; ++i) header.push_back(significant(places[i]->x_px, 5));
   const std::vector<Align> align(header.size(), Align::right);
   TextTable table(std::move(header));
   for (std::size_t j = 0; j < kSide; ++j) {
-    std::vector<std::string> row{significant(map.places[j * kSide].y_px, 5)};
-    for (std::size_t i = 0; i < kSide; ++i) row.push_back(fixed(map.places[j * kSide + i].value, 4));
+    std::vector<std::string> row{significant(places[j * kSide]->y_px, 5)};
+    for (std::size_t i = 0; i < kSide; ++i) row.push_back(fixed(places[j * kSide + i]->value, 4));
     table.add(std::move(row));
   }
   const auto shown = [&](double value) { return mtf::with_unit(significant(value, 4), map.unit); };
@@ -119,8 +149,9 @@ std::string otf_map_table(const OtfMap& map) {
   if (map.unit.empty()) text += ", at " + significant(map.frequency, 6) + " " + map.direction.unit;
   text += ", direction " + significant(map.direction.angle_deg, 4) + " deg\n" + table.aligned(align);
   text += "axis   " + shown(map.axis.value) + "\n";
-  text += "mean   " + shown(map.mean) + " over the image, to about " + significant(map.mean_error, 1) + "\n";
-  text += "worst  " + shown(map.worst().value) + " of these places, at " + place_text(map.worst()) + "\n";
+  text += "mean   " + shown(map.mean) + " over the image, " + map.error_words(map.mean_error) + "\n";
+  text += "worst  " + shown(map.worst().value) + " of " + std::to_string(map.places.size()) + " places, at " +
+          place_text(map.worst()) + ", " + map.error_words(map.worst_error) + "\n";
   if (!(map.band_error <= mtf::kBandError))
     text += "the average over the band errs by up to " + significant(map.band_error, 2) + "\n";
   return text;
@@ -142,6 +173,8 @@ Json otf_map_json(const OtfMap& map) {
   json["mean"] = map.mean;
   json["mean_error"] = map.mean_error;
   json["worst"] = place_json(map.worst());
+  json["follows_tables"] = map.follows_tables;
+  json["worst_error"] = map.worst_error;
   json["places"] = Json::array(map.places, place_json);
   if (!(map.band_error <= mtf::kBandError)) json["error"] = map.band_error;
   return json;
@@ -161,11 +194,11 @@ Figure otf_map_figure(const OtfMap& map) {
   figure.colour_label = map.unit.empty() ? "MTF" : "MTF50 [" + map.unit + "]";
   Series series{"places", {}, {}};
   series.mark = Mark::large_points;
-  for (const OtfMap::Place& place : map.places) {
-    series.x.push_back(place.x_px);
-    series.y.push_back(place.y_px);
-    series.value.push_back(place.value);
-    series.words.push_back(significant(place.value, 2));
+  for (const OtfMap::Place* place : shown_places(map)) {
+    series.x.push_back(place->x_px);
+    series.y.push_back(place->y_px);
+    series.value.push_back(place->value);
+    series.words.push_back(significant(place->value, 2));
   }
   const auto [low, high] = std::minmax_element(series.value.begin(), series.value.end());
   figure.colour_range = {*low, *high > *low ? *high : *low + 0.01};

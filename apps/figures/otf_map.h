@@ -6,8 +6,8 @@
 //   const apps::OtfMap map = apps::otf_map(sensor.system, "mtf@nyquist", apps::make_direction(frame, "cy/px", 0.0));
 //   map.worst().value;
 
-#include <array>
 #include <string>
+#include <vector>
 
 #include "apps/figures/plot.h"
 #include "apps/sensor/otf_curves.h"
@@ -17,11 +17,10 @@
 namespace apps {
 
 /// The field point that --field names: "0.7,-0.7", or the pixel "320px,40px". Throws UsageError for what is neither,
-/// and for a pixel outside the detector.
+/// and for a pixel outside the detector, or a place beyond its farthest corner.
 mtf::FieldPoint<double> field_point_of(const mtf::System<double>& system, const std::string& text);
 
 struct OtfMap {
-  static constexpr std::size_t kSide = mtf::kImagePlaces;
   struct Place {
     double x_px = 0.0, y_px = 0.0;  ///< from the upper left corner of the detector
     mtf::FieldPoint<double> q;
@@ -29,13 +28,17 @@ struct OtfMap {
   };
   std::string quantity, unit;  ///< "mtf@nyquist"; of the values: "" for an MTF
   Direction direction;
-  double frequency = 0.0;                   ///< of an MTF
-  double band_error = 0.0;                  ///< that the average over the band has at most
-  std::array<Place, kSide * kSide> places;  ///< row by row
+  double frequency = 0.0;                 ///< of an MTF
+  double band_error = 0.0;                ///< that the average over the band has at most
+  std::size_t along = mtf::kImagePlaces;  ///< places of a row, and rows
+  bool follows_tables = true;             ///< the places are no farther apart than positions of tables
+  std::vector<Place> places;              ///< row by row
   Place axis;
   double mean = 0.0, mean_error = 0.0;  ///< over the image, and its change from every other place to all
+  double worst_error = 0.0;             ///< that of the worst, or of the mean where that is more
 
   const Place& worst() const;  ///< the lowest
+  std::string error_words(double error) const;
 };
 
 /// `quantity`: mtf@nyquist, mtf@FREQ with FREQ in the unit of the direction, or mtf50. Throws UsageError for another

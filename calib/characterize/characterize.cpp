@@ -90,6 +90,7 @@ class Analysis {
  public:
   Analysis(std::vector<Stack> stacks, const CharacterizeOptions& options) : options_(options) {
     for (Stack* const stack : by_light(stacks)) result_.stacks.push_back(std::move(*stack));
+    mark_stuck(result_.stacks);
     mark_saturated(by_light(result_.stacks));
     require_sound(result_.stacks, options_.light_repeatability);
     find_planes();
@@ -235,7 +236,7 @@ void Analysis::make_levels() {
     const Stack& stack = stacks[i];
     const StackSummary& s = stack.sums;
     if (!stack.is_usable()) {
-      result_.warnings.push_back(clipped_words(stack));
+      result_.warnings.push_back(left_out_words(stack));
       continue;
     }
     const double v = s.squares.value[kTvh], n = number_of_values(stack), T = s.squares.frames;
@@ -558,6 +559,7 @@ std::string_view verdict_name(Verdict verdict) {
 const Stack* dark_stack(const std::vector<Stack>& stacks) { return choice_of(stacks).dark; }
 
 void drop_planes(std::vector<Stack>& stacks) {
+  mark_stuck(stacks);
   mark_saturated(by_light(stacks));
   const Choice keep = choice_of(stacks);
   // A stack that is read later may show that those of this light are full: then one of less light serves.

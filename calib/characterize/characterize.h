@@ -39,6 +39,7 @@ struct StackSummary {
   radiometry::MeanSquares squares;
   std::array<Covariance, kLags.size()> covariance{};
   double variance_sd = 0.0, share_low = 0.0, share_high = 0.0, von_neumann = 2.0;
+  std::vector<std::int64_t> at_low{}, at_high{};  ///< pixels at an end of the scale in all frames, where they are few
   FrameDrift drift{};
   /// Of a pixel's noise in successive frames, 0 for noise without memory, above it for 1/f noise, lag and averages over
   /// frames; sd of independent ones, 0: not known, as of fewer than four frames.
@@ -85,11 +86,12 @@ struct Stack {
   double time_s = 0.0;  ///< of the exposure
   double light_per_k = 0.0, light_per_emissivity = 0.0;  ///< of a blackbody (thermal.h): by how much its light grows
   StackSummary sums;
-  bool saturates = false;  ///< its pixels are full, below the upper end of the scale
+  bool saturates = false;                    ///< its pixels are full, below the upper end of the scale
+  double stuck_low = 0.0, stuck_high = 0.0;  ///< parts of its values of pixels that are stuck there in all stacks
 
-  /// Few of its values are at an end of the scale, below and above.
-  bool is_clipped_low() const { return sums.share_low > kClipped; }
-  bool is_clipped_high() const { return sums.share_high > kClipped; }
+  /// Few of its values are at an end of the scale, below and above, those of stuck pixels apart.
+  bool is_clipped_low() const { return sums.share_low - stuck_low > kClipped; }
+  bool is_clipped_high() const { return sums.share_high - stuck_high > kClipped; }
   bool is_usable() const { return !is_clipped_low() && !is_clipped_high() && !saturates; }
   static constexpr double kClipped = 3.2e-5;  ///< of normal noise 4 sd from the end
 };
@@ -154,13 +156,17 @@ struct Characterization {
 /// frames tell. Neighbours that share noise raise the component of
 /// their line, which is undone.
 std::array<Estimate, kLags.size()> pixel_covariance(const StackSummary& stack);
+/// Tells pixels that are stuck at an end of the scale, as they are there in every frame of all the stacks, from clipped
+/// ones. They are defects.
+void mark_stuck(std::vector<Stack>& stacks);
 /// Marks the stacks from which on the noise is a third below the largest, which is that of light: pixels are full; and
 /// those just before in which some are, whose noise is down already. Where noise falls from the dark on the frames are
 /// processed, where the mean falls stacks and light are paired wrongly; both are refused.
 void mark_saturated(const std::vector<Stack*>& by_light);
-/// Why a stack that is not usable is left out, and whether rounding hides the noise of one: kHidden_counts of
-/// rounding.h, and the pixels are within half a count of each other.
+/// Why a stack is not usable, the same with its name and that it is left out, and whether rounding hides the noise of
+/// one: kHidden_counts of rounding.h, and the pixels are within half a count of each other.
 std::string clipped_words(const Stack& stack);
+std::string left_out_words(const Stack& stack);
 bool is_hidden_by_rounding(const Stack& stack);
 /// Temporal variance that a pixel has in common with others of its row, column or frame.
 double shared_variance(const radiometry::MeanSquares& squares);

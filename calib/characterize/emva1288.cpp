@@ -139,6 +139,7 @@ class Emva {
     });
     if (!stacks.empty() && std::min(stacks[0].sums.squares.rows, stacks[0].sums.squares.columns) < 3.0)
       throw mtf::UsageError("frames of fewer than three rows or columns; the standard's patterns need three");
+    mark_stuck(stacks);
     for (const Stack& s : stacks)
       stacks_.push_back(
           {s.name, s.light, s.time_s, s.is_clipped_low() ? s.sums.share_low : 0.0, s.sums.mean, s.sums.squares});

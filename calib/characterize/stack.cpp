@@ -53,6 +53,8 @@ StackSummary summary_of(const StackStatistics& stack) {
   leave_out(s, {}, 1.0);
   s.share_low = stack.share_low();
   s.share_high = stack.share_high();
+  s.at_low = stack.stuck(false);
+  s.at_high = stack.stuck(true);
   s.von_neumann = stack.von_neumann();
   s.drift = stack.drift();
   s.step = stack.step();
@@ -151,11 +153,15 @@ double number_of_values(const Stack& stack) {
 
 std::string clipped_words(const Stack& stack) {
   if (stack.saturates)
-    return stack.name + ": the pixels are full at " + significant(stack.sums.mean, 5) +
-           " counts, below the end of the scale: mean and noise no longer rise with the light; left out of the fit";
+    return "the pixels are full at " + significant(stack.sums.mean, 5) +
+           " counts, below the end of the scale: mean and noise no longer rise with the light";
   const bool high = stack.is_clipped_high();
-  return stack.name + ": " + significant(100.0 * (high ? stack.sums.share_high : stack.sums.share_low), 3) +
-         " % of the values are at the " + (high ? "upper" : "lower") + " end of the scale; left out of the fit";
+  return significant(100.0 * (high ? stack.sums.share_high : stack.sums.share_low), 3) +
+         " % of the values are at the " + (high ? "upper" : "lower") + " end of the scale";
+}
+
+std::string left_out_words(const Stack& stack) {
+  return stack.name + ": " + clipped_words(stack) + "; left out of the fit";
 }
 
 bool is_hidden_by_rounding(const Stack& stack) {
@@ -170,6 +176,17 @@ mtf::Image pattern_difference(const Stack& stack, const Stack& other) {
   mtf::Image d = stack.sums.pattern.clone();
   for (std::int64_t i = 0; i < d.size(); ++i) d.data()[i] -= other.sums.pattern.data()[i];
   return d;
+}
+
+void mark_stuck(std::vector<Stack>& stacks) {
+  for (const auto& [places, share] :
+       {std::pair{&StackSummary::at_low, &Stack::stuck_low}, {&StackSummary::at_high, &Stack::stuck_high}}) {
+    std::vector<std::int64_t> all = stacks.empty() ? std::vector<std::int64_t>() : stacks.front().sums.*places;
+    for (const Stack& stack : stacks)
+      std::erase_if(all, [&, at = places](std::int64_t i) { return !std::ranges::binary_search(stack.sums.*at, i); });
+    for (Stack& stack : stacks)
+      stack.*share = static_cast<double>(all.size()) / (stack.sums.squares.rows * stack.sums.squares.columns);
+  }
 }
 
 void mark_saturated(const std::vector<Stack*>& stacks) {

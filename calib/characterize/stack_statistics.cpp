@@ -202,6 +202,14 @@ double StackStatistics::share(std::int64_t count) const {
   return frames_ == 0 ? 0.0 : static_cast<double>(count) / static_cast<double>(frames_ * pixels());
 }
 
+std::vector<std::int64_t> StackStatistics::stuck(bool high) const {
+  std::vector<std::int64_t> places;
+  const auto most = static_cast<std::size_t>(kMostStuck * static_cast<double>(pixels()));
+  for (std::int64_t i = 0; i < pixels() && places.size() <= most; ++i)
+    if (high ? pixel_mean(i) >= range_.high : pixel_mean(i) <= range_.low) places.push_back(i);
+  return places.size() > most ? std::vector<std::int64_t>() : places;
+}
+
 double StackStatistics::mean() const {
   return reference_ + static_cast<double>(total_ / static_cast<long double>(frames_ * pixels()));
 }

@@ -79,6 +79,10 @@ class StackStatistics {
   /// Parts of all values that are at the ends of the range.
   double share_low() const { return share(low_); }
   double share_high() const { return share(high_); }
+  /// Pixels that are at the lower or at the upper end in all frames, by their places along rows; none where they are
+  /// more than kMostStuck of all.
+  std::vector<std::int64_t> stuck(bool high) const;
+  static constexpr double kMostStuck = 0.01;
   /// The largest power of two that divides all values; 0 where some are not whole. Counts of 12 bits that are stored in
   /// the upper bits of 16 have 16.
   std::uint32_t step() const;

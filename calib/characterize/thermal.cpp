@@ -104,7 +104,7 @@ std::vector<LinePoint> line_points(const std::vector<Stack>& stacks, std::vector
   std::vector<LinePoint> points;
   for (const Stack& one : stacks) {
     if (!one.is_usable()) {
-      warnings.push_back(clipped_words(one));
+      warnings.push_back(left_out_words(one));
       continue;
     }
     if (is_hidden_by_rounding(one))
@@ -265,6 +265,7 @@ const Stack* nearest_stack(const std::vector<Stack>& stacks, double radiance) {
 
 Characterization characterize_thermal(std::vector<Stack> stacks, const ThermalOptions& options) {
   std::stable_sort(stacks.begin(), stacks.end(), [](const Stack& a, const Stack& b) { return a.light < b.light; });
+  mark_stuck(stacks);
   require_sound(stacks);
   Characterization result;
   result.reference_k = options.reference_k;

@@ -42,7 +42,7 @@ SampleRanges sample_ranges(const System<double>& system, const SampleGrid& in, c
   const auto [width_um, height_um] = detector_um(frame, out);
   const double axis_x_um = 0.5 * width_um + system.field.axis_x_px * frame.pitch_x_um,
                axis_y_um = 0.5 * height_um + system.field.axis_y_px * frame.pitch_y_um;
-  const double focal_um = 1e3 * frame.focal_length_mm;
+  const double focal_um = 1e3 * frame.focal_length_mm, focal_m = 1e-6 * focal_um;
   SampleRanges ranges;
   ranges.per_m.reserve(static_cast<std::size_t>(in.width * in.height));
   std::int64_t bad = 0, first_x = 0, first_y = 0;
@@ -50,20 +50,22 @@ SampleRanges sample_ranges(const System<double>& system, const SampleGrid& in, c
   for (std::int64_t y = 0; y < in.height; ++y)
     for (std::int64_t x = 0; x < in.width; ++x) {
       const auto z = static_cast<double>(range_m.at(x, y));
-      if (!(z > 0.0)) {
-        if (bad++ == 0) first_x = x, first_y = y;
-        continue;
-      }
       const double dx = (static_cast<double>(x) + 0.5) * in.step_x_um - axis_x_um,
                    dy = (static_cast<double>(y) + 0.5) * in.step_y_um - axis_y_um;
       const double per_m = std::sqrt(1.0 + (dx * dx + dy * dy) / (focal_um * focal_um)) / z;
+      if (!(z > 0.0 && per_m * focal_m < 1.0)) {  // of what is nearer there is no image
+        if (bad++ == 0) first_x = x, first_y = y;
+        continue;
+      }
       ranges.per_m.push_back(per_m);
       sum += per_m;
     }
   if (bad > 0)
     throw UsageError("the ranges (channel Z): " + plural(bad, "sample") +
-                     " without a range above 0 m, the first at column " + std::to_string(first_x) + ", row " +
-                     std::to_string(first_y) + "; give every sample its distance along the ray, of sky infinity");
+                     " without a range beyond the focal length of " + significant(focal_m, 6) +
+                     " m, the first at column " + std::to_string(first_x) + ", row " + std::to_string(first_y) +
+                     "; give every sample its distance in metres along the ray, of sky infinity, and check "
+                     "focal_length");
   const auto [least, most] = std::ranges::minmax(ranges.per_m);
   ranges.least = least, ranges.most = most;
   ranges.mean = std::clamp(sum / static_cast<double>(ranges.per_m.size()), least, most);

@@ -4,9 +4,9 @@
 // Defocus by range. A lens of focal length F and diameter D that is focused at the range f images what is at the range
 // r, both along the optical axis, in a plane that lies
 //   distance = F^2 (1/r - 1/f),    W020 = distance / (8 N^2 lambda) = D^2 / (8 lambda) (1/r - 1/f)
-// from the image plane (thin lens; r and f much longer than F). Scenes give ranges Z along the ray of each sample, as
-// `mtf render` writes them, so r = Z F / sqrt(F^2 + x^2 + y^2) where that ray meets the image plane at (x, y) from the
-// optical axis; infinite Z is sky.
+// from the image plane (thin lens; r and f beyond F, and much longer where N and F are those of infinity). Scenes give
+// ranges Z along the ray of each sample, as `mtf render` writes them, so r = Z F / sqrt(F^2 + x^2 + y^2) where that ray
+// meets the image plane at (x, y) from the optical axis; infinite Z is sky.
 //
 // Range belongs to the sample, not to the pixel: with h(x; r) the point spread and s the scene
 //   out(x) = sum over u of h(x - u; r(u)) s(u) / sum over u of h(x - u; r(u)).
@@ -34,7 +34,7 @@ struct SampleRanges {
 };
 
 /// Of a system with entry_by_range(). `range_m`: of the samples of `in`, seen by the detector `out`. Throws UsageError
-/// for another size, and for a range that is 0, negative or NaN, with their number and the first of them.
+/// for another size, and for a range that is within F or NaN, with their number and the first of them.
 SampleRanges sample_ranges(const System<double>& system, const SampleGrid& in, const SampleGrid& out,
                            ImageView<const float> range_m);
 

@@ -167,6 +167,10 @@ Plan compile_over_samples(const SamplesOtf& otf, const SampleGrid& in, const Sam
                             {.earlier = earlier, .mode = chosen.field->factor(k), .dc = k == 0 ? 1.0 : 0.0});
     } catch (const UnreachableTolerance& e) {
       const double by_arithmetic = 1.3 * e.reachable() / own.tolerance * tolerance;
+      if (k > 0 && !(std::max(by_arithmetic, reachable(weight)) < 1.0))
+        refuse(1.0,
+               "the OTF changes by too much from sample to sample for modes in float32; use ranges that change less or "
+               "are nearer the focus, or a smaller aperture");
       throw unreachable_tolerance(tolerance, std::min(1.0, std::max(by_arithmetic, reachable(weight))), options.scene);
     }
   };

@@ -189,6 +189,10 @@ TEST_F(CharacterizeCommand, LagAndBlinkingAreInTheTwin) {
   const std::string lagging = replaced(still, "pitch = \"15 um\"", "pitch = \"15 um\"\nframe_time = \"2 ms\"") +
                               "[lag]\ntime_constant = \"1 ms\"\n";
   const std::vector<double> own = frames_after_step(lagging, "step");
+  // The names count without leading zeros, as many cameras do: f.10 is after f.9, not after f.1.
+  ASSERT_EQ(scratch.run("for f in truth/f.0?.png step/f.0?.png; do mv $f ${f%.0*}.${f#*.0}; done").status, 0);
+  std::string counted = replaced(read_file(scratch / "truth_stacks.toml"), "truth/f.0?.png", "truth/f.?.png");
+  write_file(scratch / "truth_stacks.toml", counted);
   const Result found = scratch.run("mtf characterize truth_stacks.toml -o camera --format json");
   ASSERT_EQ(found.status, 0) << found.err << found.out;
   std::map<std::string, Json> all = numbers(found.out);
@@ -403,7 +407,7 @@ void write_cube(const fs::path& path, double mean, int frames, unsigned seed, un
   std::string text = std::string("\x93NUMPY\x01\0", 8) + char(118) + '\0' + head + '\n';
   for (int i = 0; i < frames * 24 * 32; ++i) {
     std::poisson_distribution<int> counts(mean * (1.0 + drift * (i / (24 * 32))));
-    const unsigned value = factor * static_cast<unsigned>(counts(engine));
+    const unsigned value = factor * static_cast<unsigned>(std::min(counts(engine), 4095));
     text += static_cast<char>(value >> 8);
     text += static_cast<char>(value & 255U);
   }
@@ -437,6 +441,11 @@ TEST(CharacterizeRefusals, BadDescriptorsAndFrames) {
   fs::copy_file(scratch / "c1.npy", scratch / "copy.npy");
   expect_error(run(camera + dark + rest + stack("copy.npy", "relative = 3")), 2,
                {"copy.npy", "same frame as", "c1.npy"});
+  // A step stack is named once, with what it lacks; others would be left out.
+  write_cube(scratch / "full.npy", 4080.0, 24, 8);
+  const Result full = run(camera + dark + rest + stack("full.npy", "step = \"20 ms\""));
+  expect_error(full, 2, {"error: full.npy: 4", "upper end", "less light"});
+  EXPECT_FALSE(says(full.err, "left out"));
   // One level of several, which von Neumann's ratio of all does not show: without a name it is a misfit.
   write_cube(scratch / "drift.npy", 1000.0, 12, 9, 1, 0.01);
   const std::string drifting =

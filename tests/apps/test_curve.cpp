@@ -88,6 +88,7 @@ TEST(Curve, AtAFieldPoint) {
   EXPECT_LT(map.at("mean").get<double>(), best);
   EXPECT_GT(map.at("mean").get<double>(), value(map.at("worst")));
   EXPECT_LT(map.at("mean_error").get<double>(), 0.02);
+  expect_error(scratch.run("mtf curve field.toml --field 0.9,0.9"), 2, {"--field", "1.27", "half diagonals"});
   expect_error(scratch.run("mtf curve field.toml --map mtf"), 2, {"--map", "mtf@nyquist"});
   expect_error(scratch.run("mtf curve field.toml --map mtf50 --field 0,0"), 2, {"--field", "leave"});
   expect_error(scratch.run("mtf curve field.toml --field 0.5"), 2, {"--field", "320px,40px"});

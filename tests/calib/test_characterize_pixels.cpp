@@ -58,6 +58,7 @@ std::vector<double> slow_series(const PixelCamera& camera, int frames, Random& r
 
 struct PixelArray {
   std::vector<double> response, offset_e, hot_e, blinking_e;
+  std::map<std::size_t, float> stuck{};             ///< counts of pixels that have the same in all frames
   double mean_response = 0.0, mean_offset_e = 0.0;  ///< of those that are not dead, of all
 };
 
@@ -118,7 +119,10 @@ Stack frames_of(const PixelCamera& camera, const PixelArray& array, double light
         const double out = (1.0 - 4.0 * s) * at(0, 0) + s * (at(1, 0) + at(-1, 0) + at(0, 1) + at(0, -1)) +
                            array.offset_e[static_cast<std::size_t>(i)] + lasts +
                            slow[static_cast<std::size_t>(i)][static_cast<std::size_t>(t)];
-        frame.data()[i] = static_cast<float>(std::floor(camera.gain * out + camera.offset + 0.5));
+        const auto stuck = array.stuck.find(static_cast<std::size_t>(i));
+        frame.data()[i] = stuck != array.stuck.end()
+                              ? stuck->second
+                              : static_cast<float>(std::floor(camera.gain * out + camera.offset + 0.5));
       }
     sums.add(frame.view());
     if (light == 0.0) kept.push_back(frame.clone());
@@ -248,6 +252,28 @@ TEST_P(CharacterizePixelsHeldLong, AsStated) { expect_held(GetParam(), 1000, 5.0
 const auto name_of_condition = [](const auto& condition) { return condition.param.name; };
 INSTANTIATE_TEST_SUITE_P(Cameras, CharacterizePixelsHeld, testing::ValuesIn(kPixelConditions), name_of_condition);
 INSTANTIATE_TEST_SUITE_P(Cameras, CharacterizePixelsHeldLong, testing::ValuesIn(kPixelConditions), name_of_condition);
+
+// A pixel that stands at an end of the scale in the dark and in the light is a defect, and no stack is clipped by it:
+// the numbers are those that the same frames have without, but for its own part of them. One that is there in the light
+// alone is clipped.
+TEST(CharacterizePixels, StuckOnes) {
+  Random random(31), same(31);
+  PixelArray array = array_of({}, random);
+  const Characterization without = found_of({}, array_of({}, same), same);
+  array.stuck = {{777, 0.0F}, {1010, 16383.0F}, {2000, 16383.0F}};
+  const Characterization found = found_of({}, array, random);
+  EXPECT_EQ(std::ranges::count(found.level_of, -1), 0);
+  EXPECT_DOUBLE_EQ(found.find("dead_fraction")->value, 3.0 / kPixels);
+  for (const char* const name : {"electrons_per_count", "read_noise", "offset", "dsnu", "prnu"})
+    EXPECT_NEAR(found.find(name)->value, without.find(name)->value, 0.5 * without.find(name)->sd) << name;
+  std::vector<Stack> full;
+  for (const double light : {0.0, 0.25, 0.5, 1.0, 2.0, 4.0}) {
+    array.stuck.clear();
+    if (light == 4.0) array.stuck[777] = 16383.0F;
+    full.push_back(frames_of({}, array, light, 8, random));
+  }
+  EXPECT_EQ(characterize(std::move(full), {}).level_of.back(), -1);
+}
 
 TEST(CharacterizePixels, WhatTheTwinHasNot) {
   Random random(5);

@@ -239,6 +239,19 @@ TEST(RangeBlur, OneDefocusIsThePlanOfOneDefocus) {
       same_bits(run(plan.with(other), scene), run(compile(other, in, out, options_with(scene, near, 1e-2)), scene)));
 }
 
+// Ranges from 1 m to 100 km in any order: the cause is the defocus, not the contrast of the scene.
+TEST(RangeBlur, RangesAreNamedAsTheCause) {
+  const System<double> s = by_range();
+  std::mt19937 random(3);
+  const Image point = image_of(32, 32, [](auto x, auto y) { return x == 20 && y == 11 ? 1001.0 : 1.0; }),
+              any = image_of(32, 32,
+                             [&](auto, auto) { return std::pow(10.0, static_cast<double>(random() % 5001) * 1e-3); });
+  const SampleGrid in = scene_grid(s, 32, 32, 4, 4), out{8, 8, 15.0, 15.0};
+  expect_says(
+      message_of<UnreachableTolerance>([&] { static_cast<void>(compile(s, in, out, options_with(point, any, 1e-4))); }),
+      {"from sample to sample"});
+}
+
 TEST(RangeBlur, OneSample) {
   const System<double> s = by_range();
   const SampleGrid in = scene_grid(s, 1, 1, 1, 1), out{1, 1, 15.0, 15.0};
@@ -282,7 +295,9 @@ TEST(RangeBlur, WhatCannotBeIsRefused) {
   refused(s, options_with(scene, range_m, 1e-3, Border::constant), {"presample[0].focus", "constant border"});
   Image tiny = range_m.clone();
   tiny.at(0, 0) = 1e-9F;
-  refused(s, options_with(scene, tiny, 1e-3), {"presample[0].focus", "channel Z"});
+  refused(s, options_with(scene, tiny, 1e-3), {"channel Z", "focal length of 0.1 m", "column 0, row 0"});
+  tiny.at(0, 0) = 0.1F;  // at the focal point, whose image is at infinity
+  refused(s, options_with(scene, tiny, 1e-3), {"channel Z", "focal length of 0.1 m", "column 0, row 0"});
   options = options_with(scene, range_m, 1e-3);
   options.method = Method::separable;
   refused(s, options, {"separable", "--method"});

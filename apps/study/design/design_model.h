@@ -44,9 +44,12 @@ class DesignModel {
         meter_(plan.needs),
         range_meter_(curves_alone(std::is_same_v<S, double> ? kForDifferences : kForSlopes)) {
     if (place != nullptr) place_ = *place;
-    if (!isoplanatic_ && plan.at_a_place)
-      for (const mtf::ImagePlace& one : mtf::image_places(system_.frame.columns, system_.frame.rows))
+    if (!isoplanatic_ && plan.at_a_place) {
+      const int along = mtf::image_places_along(system_, kMostAlong);
+      follows_tables_ = mtf::follows_tables(system_, along);
+      for (const mtf::ImagePlace& one : mtf::image_places(system_.frame.columns, system_.frame.rows, along))
         places_.push_back(std::make_unique<DesignModel>(study, *plan.at_a_place, variant, system_, &one));
+    }
     for (const Parameter& parameter : study.parameters)
       sites_.push_back(calib::parameter_site(system_, parameter.path).numbers);
   }
@@ -142,6 +145,11 @@ class DesignModel {
     for (std::size_t i = 0; i < values.size(); ++i)
       if (!taken([&] { values[i] = metric_value(plan_->choices[i], design_, plan_->at[i]); }))
         values[i] = detail::not_there<S>();
+    for (std::size_t i = 0; i < values.size(); ++i)
+      if (!variant_->no_focus.empty() && is_at_a_range(*plan_->choices[i].row)) {
+        values[i] = detail::not_there<S>();
+        if (refusal_.empty()) refusal_ = variant_->no_focus;
+      }
     const auto has_none = [](const S& value) { return std::isnan(mtf::value_of(value)); };
     if (saturated && std::any_of(values.begin(), values.end(), has_none)) refusal_ = words(design_.budget->saturation);
     if (plan_->resolution && design_.resolution.edge_lost && refusal_.empty())
@@ -182,11 +190,13 @@ class DesignModel {
     add("the target is wider than the field of view in ", &RangeRoot::fills_field);
     return text;
   }
+  bool follows_tables() const { return follows_tables_; }
   double error() const {
+    if (!follows_tables_) return 1.0;  // nothing is known
     double worst = plan_->resolution ? design_.resolution.error : 0.0;
     for (const RangeRoot& root : roots_) worst = std::max(worst, root.error);
     for (const auto& place : places_) worst = std::max(worst, place->error());
-    return std::max(worst, mean_error_);
+    return std::max(worst, image_error_);
   }
 
  private:
@@ -195,7 +205,7 @@ class DesignModel {
 
   /// In place of the metrics that are wanted over the image: their mean, or the worst, of all places.
   void take_over_field(const radiometry::SpectralNumbers<S>& spectral, const DesignLight& light, std::span<S> values) {
-    mean_error_ = 0.0;
+    image_error_ = 0.0;
     if (places_.empty()) return;
     const std::vector<std::size_t>& wanted = plan_->over_field;
     const auto is_mean = [&](std::size_t k) { return plan_->choices[wanted[k]].over == Over::mean; };
@@ -203,6 +213,7 @@ class DesignModel {
     for (std::size_t k = 0; k < wanted.size(); ++k) all = all || is_mean(k);
     if (!follows_) worst_at_.assign(wanted.size(), 0);
     std::vector<S> at_place(wanted.size()), mean(wanted.size()), every_other(wanted.size()), worst(wanted.size());
+    std::vector<double> worst_of_those(wanted.size(), std::numeric_limits<double>::quiet_NaN());  // every other
     for (std::size_t p = 0; p < places_.size(); ++p) {
       if (!all && std::find(worst_at_.begin(), worst_at_.end(), p) == worst_at_.end()) continue;
       DesignModel& place = *places_[p];
@@ -216,8 +227,11 @@ class DesignModel {
           if (worst_at_[k] == p) worst[k] = value;
           continue;
         }
+        const bool less = plan_->choices[wanted[k]].row->less_is_better;
         const double now = mtf::value_of(value), before = mtf::value_of(worst[k]);
-        const bool is_worse = plan_->choices[wanted[k]].row->less_is_better ? now > before : now < before;
+        const bool is_worse = less ? now > before : now < before;
+        if (double& other = worst_of_those[k]; place.place_->every_other > 0.0)
+          other = less ? std::fmax(other, now) : std::fmin(other, now);
         // Where a place has no value there is no worst of all.
         if (p > 0 && !std::isnan(now) && !is_worse) continue;
         worst[k] = value;
@@ -227,7 +241,9 @@ class DesignModel {
     for (std::size_t k = 0; k < wanted.size(); ++k) {
       values[wanted[k]] = is_mean(k) ? mean[k] : worst[k];
       const double value = mtf::value_of(mean[k]), miss = std::abs(value - mtf::value_of(every_other[k]));
-      if (is_mean(k)) mean_error_ = std::max(mean_error_, miss / std::max(1.0, std::abs(value)));
+      const double last = mtf::value_of(worst[k]), step = std::abs(last - worst_of_those[k]);
+      if (is_mean(k) || !follows_) image_error_ = std::max(image_error_, miss / std::max(1.0, std::abs(value)));
+      if (!is_mean(k) && !follows_) image_error_ = std::max(image_error_, step / std::max(1.0, std::abs(last)));
     }
   }
 
@@ -337,7 +353,9 @@ class DesignModel {
   std::vector<std::unique_ptr<DesignModel>> places_{};
   std::vector<std::size_t> worst_at_{};
   bool follows_ = false;
-  double mean_error_ = 0.0;  ///< of means over the image, as the metrics' errors are counted
+  static constexpr int kMostAlong = 33;  ///< places of an axis: each has a model of its own
+  bool follows_tables_ = true;           ///< the places are no farther apart than positions of tables
+  double image_error_ = 0.0;             ///< of means and worsts over the image, as the metrics' errors are counted
   mtf::ResolutionMeter<S> meter_, range_meter_;
   std::vector<std::vector<S*>> sites_;
   std::vector<radiometry::Override<S>> overrides_;

@@ -359,6 +359,11 @@ std::vector<std::string> Evaluator::skipped() const {
   if (plan.resolution && !base.is_isoplanatic() && plan.over_field.size() < plan.choices.size())
     sentences.push_back("the OTF changes over the field by " + mtf::names_over_field(base) +
                         ": metrics without .mean or .worst are those of the optical axis");
+  if (std::ranges::any_of(impl_->variants,
+                          [](const auto& v) { return v.second->model && !v.second->model->follows_tables(); }))
+    sentences.emplace_back(
+        "tables over the field have positions that are closer than the places of .mean and .worst, whose error is not "
+        "known: mtf curve --map looks at more");
   const auto skip = [&](bool needed, const char* what) {
     if (!needed) sentences.emplace_back(std::string(what) + ": no metric needs it");
   };

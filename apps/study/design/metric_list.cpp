@@ -272,8 +272,8 @@ std::optional<MetricInfo> find_metric(std::string_view name) {
     info.definition += ", " + mtf::format_double(choice->at.value) + " " + std::string(choice->at.unit->name);
   if (choice->over == Over::mean) info.definition += "; mean over the image";
   if (choice->over == Over::worst)
-    info.definition +=
-        "; the worst of " + std::to_string(mtf::kImagePlaces * mtf::kImagePlaces) + " places of the image";
+    info.definition += "; the worst of " + std::to_string(mtf::kImagePlaces * mtf::kImagePlaces) +
+                       " places of the image, of more where tables are finer";
   return info;
 }
 
@@ -288,6 +288,7 @@ std::string metric_gap(const MetricChoice& choice, const Study& study, const Var
   if ((metric == Metric::gsd || quality) && !given.range_m && !own_range) return no_condition("range");
   if ((metric == Metric::target_snr || quality) && !given.contrast_k && !given.signal_contrast)
     return no_condition("contrast or signal_contrast");
+  if (is_at_a_range(*choice.row) && !sensor.no_focus.empty()) return sensor.no_focus;
   if (effort == Effort::air) {
     if (!given.contrast_k) return no_condition("contrast");
     if (metric != Metric::ttp && !given.target_size_m) return no_condition("target_size");

@@ -128,6 +128,12 @@ struct MetricChoice {
   Over over = Over::axis;
 };
 
+/// It is of a target at its range, as sharp as that is there.
+inline bool is_at_a_range(const MetricRow& row) {
+  return row.effort == Effort::giqe || row.effort == Effort::grd ||
+         (row.effort == Effort::air && row.metric != Metric::ttp);
+}
+
 /// Null for a name that no metric has.
 std::optional<MetricChoice> choose_metric(std::string_view name);
 

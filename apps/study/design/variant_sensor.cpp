@@ -7,6 +7,8 @@
 #include "apps/sensor/sensor_air.h"
 #include "calib/fit/parameter_site.h"
 #include "mtf/error.h"
+#include "mtf/field/sample_ranges.h"
+#include "mtf/words.h"
 
 namespace study {
 namespace {
@@ -76,6 +78,17 @@ VariantSensor load_variant(const Study& study, std::span<const int> levels) {
       result.loaded.reset();
       result.no_budget = error.what();
     }
+  }
+  if (const auto entry = mtf::entry_by_range(result.system)) {
+    const std::optional<double>& range_m = study.conditions.range_m;
+    const std::string distance = range_m
+                                     ? "\"" + mtf::significant(mtf::distance_at_um(result.system, 1.0 / *range_m), 4) +
+                                           " um\", that of " + mtf::format_double(*range_m) + " m"
+                                     : std::string("that of one range: F^2 (1/range - 1/focus)");
+    result.no_focus = "presample[" + std::to_string(*entry) +
+                      "].focus: a target is out of focus by its range, and this metric takes one OTF for all; give "
+                      "distance = " +
+                      distance + ", in place of focus and distance = \"range\"";
   }
   for (const Parameter& parameter : study.parameters) {
     const auto site = calib::parameter_site(result.system, parameter.path);

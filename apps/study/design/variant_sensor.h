@@ -19,6 +19,7 @@ struct VariantSensor {
   std::optional<apps::LoadedSensor> loaded;  ///< present for a sensor with [detector]
   std::string no_budget;                     ///< why there is none: "no [detector]", ...
   std::string no_ranges;                     ///< why its air cannot be followed along the range to a target
+  std::string no_focus;                      ///< why a target at a range is not as sharp as the system has it
   double flicker_e = 0.0;
   radiometry::SpectralNumbers<double> spectral;  ///< without overrides
   std::vector<double> base;                      ///< value of each parameter, NaN where this sensor has no such number

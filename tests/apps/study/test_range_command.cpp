@@ -53,6 +53,36 @@ TEST_F(RangeCommand, TablesForProgramsAreComplete) {
   EXPECT_TRUE(fs::exists(scratch / "p.svg.csv"));
 }
 
+// What a target at a range is takes the defocus there: no number is better than that of another range. The distance
+// that the message gives is that of the range: F^2 (1/r - 1/f) = 22500 mm^2 (1/2000 m - 1/20 m) = -1113.75 um.
+TEST_F(RangeCommand, ATargetIsOutOfFocusByItsRange) {
+  write_file(scratch / "camera.toml", replaced(study_test::camera(""), "kind = \"diffraction\"",
+                                               "kind = \"defocus\"\ndistance = \"range\"\nfocus = \"20 m\""));
+  expect_error(run("--target nato --magnification 5"), 2, {"presample[0].focus", "distance = ", "1/range"});
+  write_file(
+      scratch / "study.toml",
+      "schema = 1\nsensor = \"camera.toml\"\n[[axis]]\nparameter = \"defocus.focus\"\nvalues = [\"5 m\", \"20 m\"]\n" +
+          study_test::kConditions + "range = \"2 km\"\n[metrics]\nlist = [\"ttp_range_detect\", \"niirs_giqe4\", " +
+          "\"johnson_range_detect\", \"gsd\", \"snr\", \"ttp\"]\n");
+  const Result sweep = scratch.run("mtf sweep study.toml -o out");
+  ASSERT_EQ(sweep.status, 0) << sweep.err;
+  expect_says(sweep.out + sweep.err, {"presample[0].focus", "2000 m", " um\""});
+  std::istringstream csv(read_file(scratch / "out/designs.csv"));
+  const auto cells = [&] {
+    std::vector<std::string> found;
+    std::string line, cell;
+    do std::getline(csv, line);
+    while (line.starts_with("#"));
+    for (std::istringstream row(line); std::getline(row, cell, ',');) found.push_back(cell);
+    return found;
+  };
+  const std::vector<std::string> names = cells(), first = cells();
+  for (std::size_t c = 0; c < std::min(names.size(), first.size()); ++c) {
+    const bool at_a_range = names[c].find("_range_") != std::string::npos || names[c].starts_with("niirs");
+    EXPECT_EQ(first[c].empty(), at_a_range && names[c] != "pareto") << names[c];
+  }
+}
+
 TEST_F(RangeCommand, RefusesWithTheOptionToGive) {
   const std::string seen = " --magnification 5";
   expect_error(run("--contrast '0 K' --target-size '2 m'" + seen), 2, {"--contrast", "as warm as", "'2 K'"});

@@ -8,6 +8,7 @@
 #include "mtf/components/pupil/defocus_pupil.h"
 #include "mtf/components/pupil/pupil.h"
 #include "mtf/math/special.h"
+#include "tests/expect_error.h"
 #include "tests/mtf/components/one_component.h"
 #include "tests/mtf/reference_table.h"
 
@@ -92,6 +93,31 @@ TEST(Defocus, distance_and_waves) {
   EXPECT_TRUE(refused(by_distance, "waves", s));
   s.optics.obscuration = 0.9999;
   EXPECT_TRUE(refused(by_waves, "obscuration", s));
+}
+
+// A lens of F = 100 mm images 1:1 what is 200 mm before it, at 200 mm and so at twice its F/#; nothing from 100 mm on.
+TEST(Defocus, a_near_focus) {
+  System<double> s = detector();
+  s.frame.focal_length_mm = 100.0;
+  s.optics.f_number = 2.0;
+  const auto said = [&](double focus_m) {
+    System<double> focused = s;
+    auto component = Component<double>::make("defocus");
+    set(component, "focus", focus_m);
+    focused.add(Stage::presample, component);
+    std::vector<System<double>::Finding> found = focused.check();
+    std::erase_if(found, [](const auto& one) { return one.where != "presample[0].focus"; });
+    return found;
+  };
+  for (const double within : {0.05, 0.1}) {
+    ASSERT_EQ(said(within).size(), 1U);
+    EXPECT_TRUE(said(within)[0].problem.error);
+    expect_says(said(within)[0].problem.text, {"focal length of 0.1 m", "focus farther"});
+  }
+  ASSERT_EQ(said(0.2).size(), 1U);
+  EXPECT_FALSE(said(0.2)[0].problem.error);
+  expect_says(said(0.2)[0].problem.text, {"are 2 times", "f_number"});
+  EXPECT_TRUE(said(20.0).empty());
 }
 
 }  // namespace

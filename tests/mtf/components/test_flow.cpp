@@ -53,5 +53,20 @@ TEST(Flow, a_shift_alone_is_a_linear_motion) {
   EXPECT_TRUE(refused(Component<double>::make("flow"), "zoom"));
 }
 
+// Beyond small motion the straight path is not the path: at a turn of 1 rad its middle is an eighth of the radius off.
+TEST(Flow, is_of_small_motion) {
+  const auto worst = [](double zoom, double rotation_urad) {  // 0: nothing is said, 1: a doubt, 2: an error
+    System<double> s = detector();
+    s.add(Stage::presample, flow(zoom, rotation_urad));
+    int found = 0;
+    for (const auto& [where, problem] : s.check()) found = std::max(found, problem.error ? 2 : 1);
+    return found;
+  };
+  EXPECT_EQ(worst(0.004, 3000.0), 0);
+  EXPECT_EQ(worst(-0.2, 0.0), 1);
+  EXPECT_EQ(worst(1.0, 0.0), 2);
+  EXPECT_EQ(worst(0.0, -1e6), 2);
+}
+
 }  // namespace
 }  // namespace mtf::test
