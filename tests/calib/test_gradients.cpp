@@ -77,8 +77,10 @@ void set_field(Component<double>& component, const std::string& name, const std:
             for (const std::string& coefficient : split(text, '|')) v->push_back(value_in(coefficient));
           } else if constexpr (std::is_same_v<T, std::shared_ptr<const mtf::Curve>>) {
             *v = curve_in(text);
-          } else {
+          } else if constexpr (std::is_assignable_v<T&, double>) {
             *v = value_in(text);
+          } else {
+            FAIL() << name << " takes files at positions";
           }
         },
         field.value);
