@@ -41,7 +41,7 @@ struct StackSummary {
   double variance_sd = 0.0, share_low = 0.0, share_high = 0.0, von_neumann = 2.0;
   FrameDrift drift{};
   /// Of a pixel's noise in successive frames, 0 for noise without memory, above it for 1/f noise, lag and averages over
-  /// frames; sd of independent ones, 0: not known, as of fewer than four frames.
+  /// frames; sd of independent ones, 0: not known, as of two frames.
   Estimate frame_correlation{};
   std::vector<float> variances{};  ///< of pixels in time, those of every `rows_apart`-th row
   std::int64_t rows_apart = 1;
