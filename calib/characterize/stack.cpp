@@ -60,15 +60,20 @@ double typical_variance(const StackSummary& s) {
   return median(variances) / chi_square_median(s.squares.frames - 1.0);
 }
 
-std::vector<std::int64_t> noisy_places(const StackSummary& s) {
+std::vector<std::int64_t> noisy_places(const StackSummary& s,
+                                       const std::function<double(std::int64_t place)>& expected) {
   const double dof = s.squares.frames - 1.0;
   const auto columns = static_cast<std::int64_t>(s.squares.columns);
-  const double most =
-      typical_variance(s) * f_quantile(1.0 - kNoisy_p, dof, dof * static_cast<double>(s.variances.size()));
+  const auto place_of = [&](std::int64_t i) { return i / columns * s.rows_apart * columns + i % columns; };
+  std::vector<double> ratios(s.variances.begin(), s.variances.end());
+  for (std::int64_t i = 0; expected && i < std::ssize(ratios); ++i)
+    ratios[static_cast<std::size_t>(i)] /= expected(place_of(i));
+  std::vector<double> any_order = ratios;
+  const double most = median(any_order) / chi_square_median(dof) *
+                      f_quantile(1.0 - kNoisy_p, dof, dof * static_cast<double>(ratios.size()));
   std::vector<std::int64_t> places;
-  for (std::int64_t i = 0; i < std::ssize(s.variances); ++i)
-    if (static_cast<double>(s.variances[static_cast<std::size_t>(i)]) > most)
-      places.push_back(i / columns * s.rows_apart * columns + i % columns);
+  for (std::int64_t i = 0; i < std::ssize(ratios); ++i)
+    if (ratios[static_cast<std::size_t>(i)] > most) places.push_back(place_of(i));
   return places;
 }
 

@@ -32,6 +32,7 @@ struct PixelCamera {
   double blinking_share = 0.0, blinking_e = 0.0, dwell = 6.0;
   bool equally_blinking = false, seldom_high = false;  ///< all have blinking_e; they are high for a tenth of the time
   double lasting = 0.0;                                ///< correlation of successive frames' read noise
+  double shading = 0.0;                                ///< part of the light that is missing in the corners
 };
 
 /// 1/f noise of a pixel: two lines in each octave, whose frequency is somewhere in its half, with normal amplitudes.
@@ -69,7 +70,12 @@ PixelArray array_of(const PixelCamera& camera, Random& random) {
   for (std::size_t i = 0; i < kPixels; ++i) {
     const double u = uniform(random), response = 1.0 + camera.prnu * normal(random);
     const bool dead = u < camera.dead_share, hot = !dead && u < camera.dead_share + camera.hot_share;
-    a.response.push_back(dead ? 0.0 : response);
+    const auto from_middle = [](std::size_t k) {
+      const double x = (static_cast<double>(k) + 0.5) / (0.5 * kPixelSide) - 1.0;
+      return 0.5 * x * x;
+    };
+    const double light = 1.0 - camera.shading * (from_middle(i % kPixelSide) + from_middle(i / kPixelSide));
+    a.response.push_back(dead ? 0.0 : light * response);
     a.offset_e.push_back(camera.dsnu_e * normal(random));
     a.hot_e.push_back(!hot                 ? 0.0
                       : camera.equally_hot ? camera.hot_e
@@ -274,6 +280,22 @@ TEST(CharacterizePixels, ALevelThatChangesInEveryFrame) {
   const BlinkingNoise found = estimate_blinking(series, 9.0, 0.5);
   ASSERT_EQ(found.pixels.size(), 1U);
   EXPECT_NEAR(found.change95[0], std::pow(0.025, 1.0 / 7.0), 0.05);
+}
+
+// Light that falls to 44 % in the corners makes more noise in the middle, which is no sign of blinking. Of a thousand
+// frames the gain was 0.44 % off, as the noisiest were left out; its error is 0.07 %.
+TEST(CharacterizePixels, ShadingIsNoBlinking) {
+  Random random(12);
+  const PixelCamera camera{.blinking_share = 0.02, .blinking_e = 200.0, .shading = 0.56};
+  const PixelArray array = array_of(camera, random);
+  std::vector<Stack> stacks;
+  for (const double light : {0.0, 2.0, 4.0})
+    stacks.push_back(frames_of(camera, array, light, light > 0.0 ? 1000 : 64, random));
+  const Characterization found = characterize(std::move(stacks), {});
+  const Finding &gain = *found.find("electrons_per_count"), &prnu = *found.find("prnu");
+  EXPECT_LT(gain.sd, 0.002);
+  EXPECT_NEAR(gain.value, 2.0, 4.0 * gain.sd);
+  EXPECT_NEAR(prnu.value, 0.01, 4.0 * prnu.sd);
 }
 
 // Pixels that blink otherwise than the chain's are said, others are not taken for blinking ones.
