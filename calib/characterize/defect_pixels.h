@@ -45,6 +45,11 @@ struct BlinkingPixels {
   double squares() const;
   /// How many noisy pixels blink or have the noise of their signal.
   double explained() const;
+  /// What those that keep their level in the dark stack, of n frames each, can add to the variance of pixels in others,
+  /// and to the mean. Which they are is not known: these are errors.
+  double unseen_variance(double n) const;
+  double unseen_mean() const;
+  bool unseen_count = false;  ///< of some level: that variance exceeds its other errors
   /// By how much sums of products of two of them scatter more, as their states last.
   double slowness() const;
   /// Of the mean of n frames, what the chance states of these pixels make of it.
