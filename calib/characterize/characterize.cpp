@@ -197,20 +197,9 @@ void Analysis::find_planes() {
     shot = std::max(0.0, (bright->sums.squares.value[kTvh] - dark->sums.squares.value[kTvh]) / signal);
     blinking_ = blinking_pixels(dark->sums, dark_, shot, side);
   }
-  // Pixels with more noise than their light, which is shaded, and their dark signal make, if they are hot.
-  const auto noisy_in = [&, columns = dark->sums.pattern.width(), white = typical_variance(dark->sums),
-                         far = dark_](const Stack& stack) {
-    const double above = stack.sums.mean - dark->sums.mean;
-    return noisy_places(stack.sums, [&](std::int64_t place) {
-      const auto in = [&](const Stack& one) { return static_cast<double>(one.sums.pattern.data()[place]); };
-      const double hot = far.deviation(dark->sums.pattern.view(), place % columns, place / columns);
-      const double light = above * (1.0 + (in(*bright) - in(*dark)) / signal);
-      return white + shot * std::max(0.0, light + (hot > far.far ? hot : 0.0));
-    });
-  };
   if (blinking_.found()) {  // their mean frames are other ones in each stack
     without = blinking_.restless;
-    for (const std::int64_t place : noisy_in(*bright)) without.insert(place);
+    for (const std::int64_t place : noisy_for_light(*bright, *dark, *bright, dark_, shot)) without.insert(place);
     dark_ = squares_of(dark->sums.pattern, 0);
     response_ = squares_of(lit, trend_.degree);
   }
@@ -228,7 +217,7 @@ void Analysis::find_planes() {
     stack.sums.lasting = slow_.of_mean(stack.sums.squares.frames);
     std::set<std::int64_t> places = defects_.with_noise;
     if (blinking_.found())  // and those that changed in this stack alone
-      for (const std::int64_t place : noisy_in(stack)) places.insert(place);
+      for (const std::int64_t place : noisy_for_light(stack, *dark, *bright, dark_, shot)) places.insert(place);
     leave_out(stack.sums, places, blinking_.slowness());
   }
   working_ = 1.0 - static_cast<double>(defects_.dead) / (dark_.rows * dark_.columns);

@@ -184,6 +184,19 @@ BlinkingPixels blinking_pixels(const StackSummary& dark, const PlaneSquares& pla
   return found;
 }
 
+std::vector<std::int64_t> noisy_for_light(const Stack& stack, const Stack& dark, const Stack& bright,
+                                          const PlaneSquares& plane, double shot) {
+  const double signal = bright.sums.mean - dark.sums.mean, above = stack.sums.mean - dark.sums.mean;
+  const double white = typical_variance(dark.sums);
+  return noisy_places(stack.sums, [&](std::int64_t place) {
+    const auto in = [&](const Stack& one) { return static_cast<double>(one.sums.pattern.data()[place]); };
+    const std::int64_t columns = dark.sums.pattern.width();
+    const double hot = plane.deviation(dark.sums.pattern.view(), place % columns, place / columns);
+    const double light = above * (1.0 + (in(bright) - in(dark)) / signal);
+    return white + shot * std::max(0.0, light + (hot > plane.far ? hot : 0.0));
+  });
+}
+
 bool exposures_differ(const std::vector<Stack>& stacks) {
   const auto [least, most] = std::ranges::minmax_element(stacks, {}, [](const Stack& stack) { return stack.time_s; });
   return !stacks.empty() && most->time_s > 1.01 * least->time_s;

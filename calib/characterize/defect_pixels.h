@@ -58,6 +58,11 @@ struct BlinkingPixels {
 /// `shot`: of estimate_blinking(); `side`: crosstalk, which makes neighbours of blinking pixels blink.
 BlinkingPixels blinking_pixels(const StackSummary& dark, const PlaneSquares& plane, double shot, double side);
 
+/// Pixels of a stack that are noisier than the light, as it is shaded, makes them and the dark signal of those that are
+/// hot: by the planes of two stacks, of the dark one's squares and `shot` as above.
+std::vector<std::int64_t> noisy_for_light(const Stack& stack, const Stack& dark, const Stack& bright,
+                                          const PlaneSquares& plane, double shot);
+
 /// The share of so many of the pixels, with Poisson limits.
 Finding share_finding(const char* name, double count, double pixels, const std::string& from);
 
