@@ -192,7 +192,7 @@ std::vector<std::int64_t> noisy_for_light(const Stack& stack, const Stack& dark,
     const auto in = [&](const Stack& one) { return static_cast<double>(one.sums.pattern.data()[place]); };
     const std::int64_t columns = dark.sums.pattern.width();
     const double hot = plane.deviation(dark.sums.pattern.view(), place % columns, place / columns);
-    const double light = above * (1.0 + (in(bright) - in(dark)) / signal);
+    const double light = above * (1.0 + in(bright) / signal - in(dark) / signal);
     return white + shot * std::max(0.0, light + (hot > plane.far ? hot : 0.0));
   });
 }
