@@ -363,7 +363,8 @@ void Analysis::add_transfer() {
   const CrosstalkEstimate& c = result_.crosstalk;  // which gave the neighbours of defects a part
   const double leaks_sd = 4.0 * defects_.mean / own_charge_ * std::hypot(c.side.sd, c.corner.sd);
   add_value("offset", "counts",
-            {t.offset.value + taken_ - defects_.mean, std::hypot(t.offset.sd, leaks_sd, blinking_.unseen_mean())}, from);
+            {t.offset.value + taken_ - defects_.mean, std::hypot(t.offset.sd, leaks_sd, blinking_.unseen_mean())},
+            from);
   Estimate read2 = scaled(t.read2, 2.0);  // without the 1/f noise
   read2.sd = std::hypot(read2.sd, slow_.within_sd(static_cast<double>(slow_.frames)) / square(gain_.value));
   const VarianceComponent read{.variance = read2.value,

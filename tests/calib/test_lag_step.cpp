@@ -44,8 +44,8 @@ Characterization found_of(const std::vector<double>& means, double frame_time_s 
   return camera;
 }
 
-// Of 1,000 intervals from 930 to 970 should hold; 910 and 983 are 2.5 standard deviations beyond. Those of a lag that is
-// not there hold all, as they begin at 0.
+// Of 1,000 intervals from 930 to 970 should hold; 910 and 983 are 2.5 standard deviations beyond. Those of a lag that
+// is not there hold all, as they begin at 0.
 TEST(LagStep, IntervalsHoldAsStated) {
   for (const auto& [kept, memory] :
        {std::pair{0.0, 0.0}, {0.01, 0.0}, {0.3, 0.0}, {0.8, 0.0}, {0.25, 0.7}, {0.6, 0.7}, {0.8, 0.7}}) {
