@@ -74,8 +74,9 @@ void find_change(double mean, double steps, double pixels, BlinkingNoise& found)
   const double p = chance(mean), seen = seen_part(p, steps), squares = (steps * p * (1.0 - p) + steps * steps * p * p);
   const double variance = squares / seen - mean * mean;
   found.change = {p, p * (1.0 - p) / std::sqrt(pixels * variance)};
-  // Those beyond the first of each are nearly Poisson numbers, with a variance from half of their mean, as p is at most
-  // 1/2, to a little above it.
+  // Those beyond the first of each are nearly Poisson numbers, with a variance from a little above their mean down to
+  // half of it, as of binomial numbers with the p of 1/2 of levels that are new in every frame. Above, as levels in
+  // turn have it, half is too much, and the limits are wide.
   const double scale = std::max(0.5, variance / (mean - 1.0)), more = pixels * (mean - 1.0);
   const std::array<double, 2> limits = poisson_limits(more / scale);
   for (std::size_t k = 0; k < 2; ++k) found.change95[k] = chance(1.0 + limits[k] * scale / pixels);

@@ -193,12 +193,14 @@ void Analysis::find_planes() {
   if (!c.found) slow_ = slow_noise_of(*dark);
   const double signal = bright != nullptr ? bright->sums.mean - dark->sums.mean : 0.0;
   blinking_ = {};
+  double shot = 0.0;
   if (bright != nullptr && signal > 0.0 && !(rounding_of(*dark) > 1e-4)) {
-    const double shot = (bright->sums.squares.value[kTvh] - dark->sums.squares.value[kTvh]) / signal;
-    blinking_ = blinking_pixels(dark->sums, dark_, std::max(0.0, shot), side);
+    shot = std::max(0.0, (bright->sums.squares.value[kTvh] - dark->sums.squares.value[kTvh]) / signal);
+    blinking_ = blinking_pixels(dark->sums, dark_, shot, side);
   }
   if (blinking_.found()) {  // their mean frames are other ones in each stack
     without = blinking_.restless;
+    for (const std::int64_t place : noisy_for_light(*bright, *dark, *bright, dark_, shot)) without.insert(place);
     dark_ = squares_of(dark->sums.pattern, 0);
     response_ = squares_of(lit, trend_.degree);
   }
@@ -215,8 +217,8 @@ void Analysis::find_planes() {
   for (Stack& stack : result_.stacks) {
     stack.sums.lasting = slow_.of_mean(stack.sums.squares.frames);
     std::set<std::int64_t> places = defects_.with_noise;
-    if (!blinking_.noise.pixels.empty())  // and those that changed in this stack alone
-      for (const std::int64_t place : noisy_places(stack.sums)) places.insert(place);
+    if (blinking_.found())  // and those that changed in this stack alone
+      for (const std::int64_t place : noisy_for_light(stack, *dark, *bright, dark_, shot)) places.insert(place);
     leave_out(stack.sums, places, blinking_.slowness());
   }
   working_ = 1.0 - static_cast<double>(defects_.dead) / (dark_.rows * dark_.columns);
@@ -248,8 +250,12 @@ void Analysis::make_levels() {
     level.variance = v - s.apart.value - slow_.within(T);
     level.shared = shared_variance(s.squares);
     level.dof = s.squares.dof(kTvh) * slow_.freedom(v, T) * square(level.variance / (level.variance + slow_.within(T)));
-    if (s.apart.value != 0.0)
-      level.dof = 2.0 / (2.0 * static_cast<double>(s.rows_apart) / level.dof + square(s.apart.sd / level.variance));
+    const double unseen = static_cast<int>(i) == result_.dark ? 0.0 : blinking_.unseen_variance(T);
+    if (s.apart.value != 0.0 || unseen > 0.0) {
+      const double known = 2.0 * static_cast<double>(s.rows_apart) / level.dof + square(s.apart.sd / level.variance);
+      blinking_.unseen_count = blinking_.unseen_count || unseen > level.variance * std::sqrt(known);
+      level.dof = 2.0 / (known + square(unseen / level.variance));
+    }
     // Rounded noise of a pixel is not normal; what it shares scatters with it.
     if (v < 1.5) level.variance_sd = s.variance_sd * v / (v + level.shared);
     level.light_sd = std::sqrt(square(options_.light_repeatability) + flicker / T);
@@ -356,9 +362,10 @@ void Analysis::add_transfer() {
   };
   add_value("electrons_per_count", "e-", {inverse, inverse * gain_.sd / gain_.value}, from);
   const CrosstalkEstimate& c = result_.crosstalk;  // which gave the neighbours of defects a part
-  const double leaks_sd =
-      defects_.mean * 4.0 / own_charge_ * std::hypot(c.found ? c.side.sd : 0.0, c.corner_found ? c.corner.sd : 0.0);
-  add_value("offset", "counts", {t.offset.value + taken_ - defects_.mean, std::hypot(t.offset.sd, leaks_sd)}, from);
+  const double leaks_sd = 4.0 * defects_.mean / own_charge_ * std::hypot(c.side.sd, c.corner.sd);
+  add_value("offset", "counts",
+            {t.offset.value + taken_ - defects_.mean, std::hypot(t.offset.sd, leaks_sd, blinking_.unseen_mean())},
+            from);
   Estimate read2 = scaled(t.read2, 2.0);  // without the 1/f noise
   read2.sd = std::hypot(read2.sd, slow_.within_sd(static_cast<double>(slow_.frames)) / square(gain_.value));
   const VarianceComponent read{.variance = read2.value,
@@ -470,7 +477,8 @@ void Analysis::add_patterns() {
     add_rms("fixed_column", "e-", fixed.column, gain_, dark->name, fixed.column_sd_array);
     warn_of_shape("dsnu", plane, result_.warnings);
     result_.defects = plane.defects;
-    const Estimate own_gain{gain_.value * own_charge_, gain_.sd * own_charge_};
+    const double own_relative = std::hypot(gain_.sd / gain_.value, 4.0 * result_.crosstalk.side.sd / own_charge_);
+    const Estimate own_gain{gain_.value * own_charge_, gain_.value * own_charge_ * own_relative};
     if (hot_changes_)
       not_determined("hot_fraction", "", std::string(kHotChanges));
     else

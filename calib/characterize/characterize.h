@@ -17,6 +17,7 @@
 //   camera.find("read_noise")->value
 
 #include <cmath>
+#include <functional>
 #include <map>
 #include <optional>
 #include <set>
@@ -42,7 +43,7 @@ struct StackSummary {
   std::vector<std::int64_t> at_low{}, at_high{};  ///< pixels at an end of the scale in all frames, where they are few
   FrameDrift drift{};
   /// Of a pixel's noise in successive frames, 0 for noise without memory, above it for 1/f noise, lag and averages over
-  /// frames; sd of independent ones, 0: not known, as of fewer than four frames.
+  /// frames; sd of independent ones, 0: not known, as of two frames.
   Estimate frame_correlation{};
   std::vector<float> variances{};  ///< of pixels in time, those of every `rows_apart`-th row
   std::int64_t rows_apart = 1;
@@ -58,9 +59,11 @@ struct StackSummary {
 StackSummary summary_of(const StackStatistics& stack);
 /// Variance of a pixel as most are: by the median of all.
 double typical_variance(const StackSummary& stack);
-/// Pixels whose temporal variance the noise of the others hardly makes (kNoisy_p), by their places along rows; and the
-/// series of them to be read, of no more than kMostSeriesValues in all.
-std::vector<std::int64_t> noisy_places(const StackSummary& stack);
+/// Pixels whose temporal variance the noise of the others hardly makes (kNoisy_p), by their places along rows, where
+/// variances are in proportion to what is expected, or alike; and the series of them to be read, of no more than
+/// kMostSeriesValues in all.
+std::vector<std::int64_t> noisy_places(const StackSummary& stack,
+                                       const std::function<double(std::int64_t place)>& expected = {});
 PixelSeries empty_series(const StackSummary& stack);
 /// Of a pixel in one of the rows that are kept.
 inline double variance_at(const StackSummary& stack, std::int64_t place) {

@@ -16,7 +16,6 @@ using mtf::significant;
 
 constexpr double kFar_sd = 4.5;  // the limit, in standard deviations of the others
 constexpr double kChance_p = 1e-3;
-constexpr double kLeastSeen = 0.8;  // of blinking pixels: the others change numbers by less than their errors
 
 double far_share() { return 0.5 * std::erfc(kFar_sd / std::numbers::sqrt2); }
 /// By how many standard deviations normal numbers beyond the limit exceed it on average.
@@ -56,15 +55,15 @@ void add_exponential(const std::string& name, const ExponentialTail& tail, doubl
                              .low95 = share * std::exp(-away(seen.most)),
                              .high95 = std::min(1.0, share * std::exp(away(seen.least))),
                              .from = from});
-  // n excesses of one mean are gamma distributed; the gain's error is small beside it.
+  // n excesses of one mean are gamma distributed, the gain is normal.
   const auto [low, high] = poisson_limits(n);
-  const double e = m / gain.value;
+  const double e = m / gain.value, by_gain = k95_sd * gain.sd / gain.value;
   camera.findings.push_back({.name = name + "_excess",
                              .unit = unit,
                              .value = e,
                              .sd = e * std::hypot(1.0 / std::sqrt(n), gain.sd / gain.value),
-                             .low95 = e * n / high,
-                             .high95 = e * n / low,
+                             .low95 = e * std::exp(-std::hypot(std::log(high / n), by_gain)),
+                             .high95 = e * std::exp(std::hypot(std::log(n / low), by_gain)),
                              .from = from});
 }
 
@@ -126,6 +125,17 @@ double BlinkingPixels::squares() const {
   return sum;
 }
 
+double BlinkingPixels::unseen_variance(double n) const {
+  if (!found()) return 0.0;
+  return squares() * (1.0 / noise.seen - 1.0) / looked_at * (0.25 - noise.share_variance(n)) * n / (n - 1.0);
+}
+
+double BlinkingPixels::unseen_mean() const {
+  double sum = 0.0;
+  for (const BlinkingPixel& pixel : noise.pixels) sum += pixel.excess;
+  return found() ? 0.5 * sum * (1.0 / noise.seen - 1.0) / looked_at : 0.0;
+}
+
 double BlinkingPixels::slowness() const {
   const double r2 = squared(std::max(0.0, 1.0 - 2.0 * noise.change.value));
   return found() ? std::sqrt((1.0 + r2) / (1.0 - r2)) : 1.0;
@@ -172,6 +182,19 @@ BlinkingPixels blinking_pixels(const StackSummary& dark, const PlaneSquares& pla
                                });
   });
   return found;
+}
+
+std::vector<std::int64_t> noisy_for_light(const Stack& stack, const Stack& dark, const Stack& bright,
+                                          const PlaneSquares& plane, double shot) {
+  const double signal = bright.sums.mean - dark.sums.mean, above = stack.sums.mean - dark.sums.mean;
+  const double white = typical_variance(dark.sums);
+  return noisy_places(stack.sums, [&](std::int64_t place) {
+    const auto in = [&](const Stack& one) { return static_cast<double>(one.sums.pattern.data()[place]); };
+    const std::int64_t columns = dark.sums.pattern.width();
+    const double hot = plane.deviation(dark.sums.pattern.view(), place % columns, place / columns);
+    const double light = above * (1.0 + in(bright) / signal - in(dark) / signal);
+    return white + shot * std::max(0.0, light + (hot > plane.far ? hot : 0.0));
+  });
 }
 
 bool exposures_differ(const std::vector<Stack>& stacks) {
@@ -246,10 +269,10 @@ void add_blinking_pixels(const BlinkingPixels& blinking, const Estimate& gain, c
     return undetermined(
         "blinking_fraction", "",
         std::to_string(noise.pixels.size()) + " pixels blink, too few, or too slowly, to tell the part of all");
-  if (noise.seen < kLeastSeen)
+  if (blinking.unseen_count)
     camera.warnings.push_back(from + ": of the pixels that blink about " + significant(100.0 * (1.0 - noise.seen), 2) +
                               " % kept their level in these " + std::to_string(noise.frames) +
-                              " frames: gain, offset and patterns hold what they make of other stacks; take a longer "
+                              " frames: what they make of other stacks is most of the errors of these; take a longer "
                               "dark stack");
   ExponentialTail tail{.n = n, .limit = noise.least, .scatter = noise.scatter};
   double high = 0.0, highs = 0.0, changes = 0.0, spread = 0.0;

@@ -45,6 +45,11 @@ struct BlinkingPixels {
   double squares() const;
   /// How many noisy pixels blink or have the noise of their signal.
   double explained() const;
+  /// What those that keep their level in the dark stack, of n frames each, can add to the variance of pixels in others,
+  /// and to the mean. Which they are is not known: these are errors.
+  double unseen_variance(double n) const;
+  double unseen_mean() const;
+  bool unseen_count = false;  ///< of some level: that variance exceeds its other errors
   /// By how much sums of products of two of them scatter more, as their states last.
   double slowness() const;
   /// Of the mean of n frames, what the chance states of these pixels make of it.
@@ -52,6 +57,11 @@ struct BlinkingPixels {
 };
 /// `shot`: of estimate_blinking(); `side`: crosstalk, which makes neighbours of blinking pixels blink.
 BlinkingPixels blinking_pixels(const StackSummary& dark, const PlaneSquares& plane, double shot, double side);
+
+/// Pixels of a stack that are noisier than the light, as it is shaded, makes them and the dark signal of those that are
+/// hot: by the planes of two stacks, of the dark one's squares and `shot` as above.
+std::vector<std::int64_t> noisy_for_light(const Stack& stack, const Stack& dark, const Stack& bright,
+                                          const PlaneSquares& plane, double shot);
 
 /// The share of so many of the pixels, with Poisson limits.
 Finding share_finding(const char* name, double count, double pixels, const std::string& from);

@@ -12,7 +12,9 @@
 namespace calib {
 namespace {
 
-constexpr double kMisfit = 0.999, kMostLasting = 0.9;
+// Noise that lasts longer is not told from lag by few frames. What is left of a sum over frames less a part that is
+// only estimated is taken as this share of it at the least.
+constexpr double kMisfit = 0.999, kMostLasting = 0.9, kLeastRest = 0.25;
 
 /// Variance of numbers from the differences of neighbours, which a slow change hardly raises.
 double variance_of_steps(std::span<const double> values) {
@@ -74,8 +76,7 @@ LagStep fit_lag_step(const std::vector<double>& means) {
   }
   const NormalSums s = sums_of(after, step.before, B, r);
   const double D = s.determinant(), n = static_cast<double>(count);
-  step.dof = n - 2.0;
-  const double noise = s.residuals / step.dof;
+  const double noise = s.residuals / (n - 2.0);
   const double b_by_a = (s.rr * s.ba - s.br * s.ra) / D, r_by_a = (s.bb * s.ra - s.br * s.ba) / D;
   // What each frame makes of B and r, and the noise of successive ones as it is correlated.
   std::vector<double> of_b, of_r, by_b, by_r, left;
@@ -89,6 +90,8 @@ LagStep fit_lag_step(const std::vector<double>& means) {
   // Light has noise of its own, of which the first frames after a step to less of it have a part.
   const double noise_late = variance_of_steps(std::span(left).subspan(left.size() / 2)),
                of_light = std::max(0.0, noise_before - noise_late);
+  // The correlation r of n numbers about their mean is low by (1 + 4 r)/n (F. H. C. Marriott and J. A. Pope, Biometrika
+  // 41, 390 (1954)), of white ones about a fit of B and r by up to 2/n: with 3 it is hardly too low.
   double products = 0.0, light = of_light, light_b = 0.0, light_r = 0.0, light_sum = 0.0;
   for (std::size_t i = 0; i < left.size(); ++i) {
     if (i > 0) products += left[i] * left[i - 1];
@@ -97,8 +100,9 @@ LagStep fit_lag_step(const std::vector<double>& means) {
     light_r += light * by_r[i] * by_r[i];
     light_sum += light;
   }
-  const double rest = std::max(0.25 * s.residuals, s.residuals - light_sum), seen = rest > 0.0 ? products / rest : 0.0,
-               lasts = std::clamp(seen + (3.0 + 4.0 * std::max(0.0, seen)) / n, 0.0, kMostLasting);  // less biased
+  const double rest = std::max(kLeastRest * s.residuals, s.residuals - light_sum),
+               seen = rest > 0.0 ? products / rest : 0.0,
+               lasts = std::clamp(seen + (3.0 + 4.0 * std::max(0.0, seen)) / n, 0.0, kMostLasting);
   const auto correlated = [&](const std::vector<double>& x, const std::vector<double>& y) {
     double sum = 0.0, before_x = 0.0, before_y = 0.0;
     for (std::size_t i = 0; i < x.size(); ++i) {
@@ -109,14 +113,16 @@ LagStep fit_lag_step(const std::vector<double>& means) {
     return sum;
   };
   // The fit takes more of noise that lasts than two numbers of it.
-  const double lasting = rest / std::max(0.25 * n, n - correlated(by_b, of_b) - correlated(by_r, of_r)),
+  const double lasting = rest / std::max(kLeastRest * n, n - correlated(by_b, of_b) - correlated(by_r, of_r)),
                of_before = (of_light + std::min(noise_before, noise_late) * (1.0 + lasts) / std::pow(1.0 - lasts, 2)) /
                            static_cast<double>(first);
   step.after = {B, std::sqrt(lasting * correlated(by_b, by_b) + light_b + b_by_a * b_by_a * of_before)};
   step.kept = {r, std::sqrt(lasting * correlated(by_r, by_r) + light_r + r_by_a * r_by_a * of_before)};
-  // Differences of n numbers have two thirds of n degrees of freedom.
+  // Squares of noise that lasts are correlated by the square of its correlation; differences of n numbers have two
+  // thirds of n degrees of freedom.
+  step.dof = (n - 2.0) * (1.0 - lasts * lasts) / (1.0 + lasts * lasts);
   step.is_exponential = std::isfinite(r) && std::isfinite(step.kept.sd) &&
-                        noise <= (noise_late / (1.0 - lasts) + light_sum / step.dof) *
+                        noise <= (noise_late / (1.0 - lasts) + light_sum / (n - 2.0)) *
                                          f_quantile(kMisfit, step.dof, 2.0 / 3.0 * static_cast<double>(late.size())) +
                                      1e-13 * (step.before - B) * (step.before - B);
   return step;

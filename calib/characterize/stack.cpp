@@ -28,19 +28,6 @@ double unrounded_noise(const radiometry::MeanSquares& squares) {
   return unrounded_variance(squares.value[kTvh] + shared_variance(squares));
 }
 
-/// Of successive frames, from the differences of those over the power at all scales.
-Estimate correlation_of(const StackSummary& s) {
-  const NoiseScales& noise = s.noise;
-  double sum = 0.0, count = 0.0;
-  for (std::size_t j = 0; j < noise.mean.size(); ++j) {
-    count += noise.differences(j);
-    sum += noise.differences(j) * noise.mean[j];
-  }
-  const double rows = std::ceil(s.squares.rows / static_cast<double>(noise.rows_apart)), first = noise.differences(0);
-  return {1.0 - noise.mean[0] * count / sum,
-          std::sqrt(2.0 * (1.0 / first - 1.0 / count) * variance_of_products(s, rows * s.squares.columns, rows))};
-}
-
 }  // namespace
 
 StackSummary summary_of(const StackStatistics& stack) {
@@ -59,7 +46,10 @@ StackSummary summary_of(const StackStatistics& stack) {
   s.drift = stack.drift();
   s.step = stack.step();
   s.noise = stack.noise_scales();
-  if (s.frames > 3 && s.squares.value[kTvh] > 0.0) s.frame_correlation = correlation_of(s);
+  const double T = s.squares.frames, kept = static_cast<double>(s.variances.size());
+  if (s.frames > 2 && s.squares.value[kTvh] > 0.0)
+    s.frame_correlation = {stack.frame_correlation(),
+                           std::sqrt((T - 2.0) * variance_of_products(s, kept, kept / s.squares.columns)) / (T - 1.0)};
   s.frame_means = stack.frame_means();
   s.pattern = mtf::Image(stack.width(), stack.height());
   for (std::int64_t i = 0; i < s.pattern.size(); ++i)
@@ -72,15 +62,20 @@ double typical_variance(const StackSummary& s) {
   return median(variances) / chi_square_median(s.squares.frames - 1.0);
 }
 
-std::vector<std::int64_t> noisy_places(const StackSummary& s) {
+std::vector<std::int64_t> noisy_places(const StackSummary& s,
+                                       const std::function<double(std::int64_t place)>& expected) {
   const double dof = s.squares.frames - 1.0;
   const auto columns = static_cast<std::int64_t>(s.squares.columns);
-  const double most =
-      typical_variance(s) * f_quantile(1.0 - kNoisy_p, dof, dof * static_cast<double>(s.variances.size()));
+  const auto place_of = [&](std::int64_t i) { return i / columns * s.rows_apart * columns + i % columns; };
+  std::vector<double> ratios(s.variances.begin(), s.variances.end());
+  for (std::int64_t i = 0; expected && i < std::ssize(ratios); ++i)
+    ratios[static_cast<std::size_t>(i)] /= expected(place_of(i));
+  std::vector<double> any_order = ratios;
+  const double most = median(any_order) / chi_square_median(dof) *
+                      f_quantile(1.0 - kNoisy_p, dof, dof * static_cast<double>(ratios.size()));
   std::vector<std::int64_t> places;
-  for (std::int64_t i = 0; i < std::ssize(s.variances); ++i)
-    if (static_cast<double>(s.variances[static_cast<std::size_t>(i)]) > most)
-      places.push_back(i / columns * s.rows_apart * columns + i % columns);
+  for (std::int64_t i = 0; i < std::ssize(ratios); ++i)
+    if (ratios[static_cast<std::size_t>(i)] > most) places.push_back(place_of(i));
   return places;
 }
 

@@ -70,6 +70,16 @@ MTFKIT_CLONES void sum_row(const double* const* rows, std::int64_t width, double
   }
 }
 
+/// Adds the squares of the steps from the row in the frame before, which it becomes.
+MTFKIT_CLONES void add_steps(const float* __restrict row, float* __restrict before, float* __restrict squares,
+                             std::int64_t width) {
+  for (std::int64_t i = 0; i < width; ++i) {
+    const float step = row[i] - before[i];
+    squares[i] += step * step;
+    before[i] = row[i];
+  }
+}
+
 /// Of the pairs of a lag in a row: the first columns of the upper (or left) and of the lower pixel, and their number.
 struct Pairs {
   std::int64_t first, second, count;
@@ -104,6 +114,8 @@ StackStatistics::StackStatistics(std::int64_t width, std::int64_t height, CountR
   sum_.assign(static_cast<std::size_t>(pixels()), 0.0);
   squares_.assign(static_cast<std::size_t>((height_ + every_ - 1) / every_ * width_), 0.0);
   scales_ = TimeScales((height_ + scale_every_ - 1) / scale_every_ * width_);
+  before_.assign(squares_.size(), 0.0F);
+  steps_ = before_;
 }
 
 void StackStatistics::add(std::span<const mtf::ImageView<const float>> frames, int threads) {
@@ -172,6 +184,10 @@ std::vector<StackStatistics::Part> StackStatistics::reduce(std::span<const mtf::
         if (y % scale_every_ == 0)
           scales_.add(y / scale_every_ * width_, {line(y), static_cast<std::size_t>(width_)},
                       frames_ + static_cast<std::int64_t>(f));
+        if (y % every_ != 0) continue;
+        float* const before = before_.data() + y / every_ * width_;
+        if (frames_ == 0 && f == 0) std::copy_n(frames[f].row(y), width_, before);
+        add_steps(frames[f].row(y), before, steps_.data() + y / every_ * width_, width_);
       }
   });
   return parts;
@@ -277,6 +293,13 @@ double StackStatistics::kept_variance(std::int64_t i) const {
   const auto T = static_cast<double>(frames_);
   const double sum = sum_[static_cast<std::size_t>(i / width_ * every_ * width_ + i % width_)];
   return (squares_[static_cast<std::size_t>(i)] - sum * sum / T) / (T - 1.0);
+}
+
+double StackStatistics::frame_correlation() const {
+  double variance = 0.0;
+  for (std::int64_t i = 0; i < std::ssize(squares_); ++i) variance += kept_variance(i);
+  const double steps = std::accumulate(steps_.begin(), steps_.end(), 0.0) / static_cast<double>(frames_ - 1);
+  return variance > 0.0 ? 1.0 - steps / (2.0 * variance) : 0.0;
 }
 
 std::vector<float> StackStatistics::pixel_variances() const {

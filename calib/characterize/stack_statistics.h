@@ -6,7 +6,8 @@
 //   for each pixel     sum; sum of squares, of frames above two million pixels in some of the rows
 //   for each frame     squares of the sums of rows, of columns and of all, added to the totals at once
 //   at six lags        sums of the products of pixels that far apart
-//   in time            squares of the differences of stretches of 1, 2, 4 ... frames, of some of the rows (spectra.h)
+//   in time            squares of the differences of stretches of 1, 2, 4 ... frames (spectra.h), and of all successive
+//                      frames, of some of the rows
 // All values are taken about a whole number near their mean, and the sums of counts (whole numbers) are exact. From
 // them follow the seven mean squares of three-dimensional noise, and the temporal covariance of neighbours: as
 //   sum over t of (x_p - mean_p) (x_q - mean_q) = sum over t of x_p x_q - S_p S_q / T
@@ -73,6 +74,9 @@ class StackStatistics {
   /// Temporal variances of the pixels whose squares are kept, those of every rows_apart()-th row.
   std::vector<float> pixel_variances() const;
   std::int64_t rows_apart() const { return every_; }
+  /// Of these pixels: correlation of the noise in successive frames, 1 - (mean square of the differences) / (twice the
+  /// variance), with 0 for frames of independent noise (J. von Neumann, Ann. Math. Stat. 12, 367 (1941)).
+  double frame_correlation() const;
   /// The noise of pixels by the time over which it changes; of frames above half a million pixels in some of the rows.
   NoiseScales noise_scales() const;
 
@@ -108,6 +112,7 @@ class StackStatistics {
   std::vector<double> sum_, squares_;  ///< of pixels
   std::int64_t scale_every_;           ///< row is in the scales of time
   TimeScales scales_;                  ///< of those pixels
+  std::vector<float> before_, steps_;  ///< latest values of the pixels with squares, and squares of their steps
   std::vector<double> frame_sums_;     ///< about the reference
   std::array<long double, kLags.size()> products_{};
   long double total_ = 0.0L, all_squares_ = 0.0L, frame_squares_ = 0.0L, row_squares_ = 0.0L, column_squares_ = 0.0L;

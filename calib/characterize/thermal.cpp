@@ -193,6 +193,7 @@ Nearest add_noise(const MeanLine& line, const Stack& nearest, const ThermalOptio
     others.value[kTvh] -= rest.apart.value;
     quiet = variance_component(others, kTvh);
     widen(quiet, rest.apart.sd);
+    found.blinking.unseen_count = found.blinking.unseen_variance(squares.frames) > quiet.sd;
   }
   const double counts_per_mk = 1e-3 * line.slope() * options.radiance_per_k;
   findings.add_rms("netd", "mK", quiet, counts_per_mk, slope, nearest.name);

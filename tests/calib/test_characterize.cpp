@@ -197,8 +197,8 @@ class CharacterizeCoverageLong : public testing::TestWithParam<Condition> {};
 
 // Of 120 intervals 114 should hold; 104 is 4.2 sd below, of intervals that hold 75 % one set in 500 passes.
 TEST_P(CharacterizeCoverage, HoldsAsStated) { expect_coverage(GetParam(), 120, 104, 120); }
-// Five sd about 950, with the half per cent that the estimators themselves are off by in single conditions.
-TEST_P(CharacterizeCoverageLong, HoldsAsStated) { expect_coverage(GetParam(), 1000, 912, 986); }
+// From 93 to 97 %, and 2.5 sd of chance.
+TEST_P(CharacterizeCoverageLong, HoldsAsStated) { expect_coverage(GetParam(), 1000, 910, 983); }
 INSTANTIATE_TEST_SUITE_P(Cameras, CharacterizeCoverage, testing::ValuesIn(kConditions), name_of);
 INSTANTIATE_TEST_SUITE_P(Cameras, CharacterizeCoverageLong, testing::ValuesIn(kConditions), name_of);
 
@@ -417,13 +417,12 @@ TEST(Characterize, SumsAreThoseOfTheDefinitions) {
                   tolerance * squares.value[radiometry::kTvh]);
       EXPECT_EQ(found.value, many.covariance(lag).value);
     }
-    long double steps = 0.0L, of_two = 0.0L;  // of the first four frames
-    for (std::size_t i = 0; i < kSize; ++i) {
-      const long double a = value(0, i), b = value(1, i), c = value(2, i), d = value(3, i);
-      steps += ((a - b) * (a - b) + (c - d) * (c - d)) / 2;
-      of_two += (a + b - c - d) * (a + b - c - d) / 4;
-    }
-    EXPECT_NEAR(of_one.frame_correlation.value, static_cast<double>(1.0L - 1.5L * steps / (steps + of_two)), 1e-6);
+    long double steps = 0.0L;
+    for (std::size_t t = 1; t < kCount; ++t)
+      for (std::size_t i = 0; i < kSize; ++i)
+        steps += (value(t, i) - value(t - 1, i)) * (value(t, i) - value(t - 1, i));
+    EXPECT_NEAR(of_one.frame_correlation.value,
+                static_cast<double>(1.0L - steps / ((kCount - 1) * kSize) / (2.0L * mean_of(variance))), 1e-6);
     EXPECT_EQ(of_one.frame_correlation.value, of_many.frame_correlation.value);
     EXPECT_EQ(one.mean_squares().value, many.mean_squares().value);
     EXPECT_EQ(of_one.variance_sd, of_many.variance_sd);
@@ -434,10 +433,20 @@ TEST(Characterize, SumsAreThoseOfTheDefinitions) {
 }
 
 // Frames of independent noise, of rows too, have a correlation of 0 within its error; noise that lasts has its own, and
-// pixels that are noisier than normal noise makes any are counted. Six frames have three differences of successive
-// ones, of the power 1 - r of noise with correlation r^k after k frames, and one of pairs.
+// pixels that are noisier than normal noise makes any are counted. Six frames: 1 - von Neumann's ratio / 2 of noise
+// with correlation r^k after k frames is 1 - (1 - r) / (1 - 2 / (T (T - 1)) sum over k of (T - k) r^k).
 TEST(Characterize, NoiseThatLastsIsSaid) {
   Engine engine(11);
+  for (int first : {0, 1}) {  // frames that each stand for two, wherever the stack begins: half of the steps are 0
+    std::normal_distribution<float> noise;
+    mtf::Image frame(50, 50);
+    StackStatistics sums(50, 50);
+    for (int t = first; t < first + 100; ++t) {
+      if (t % 2 == 0 || t == first) std::generate_n(frame.data(), frame.size(), [&] { return noise(engine); });
+      sums.add(frame.view());
+    }
+    EXPECT_NEAR(sums.frame_correlation(), 0.5, 0.02);  // one step of 99 is 0.01
+  }
   const auto dark = [&](const Camera& camera) {
     return stack_of(camera, array_of(camera, engine), 0.0, 0.0, engine, kFrames);
   };
@@ -468,11 +477,11 @@ TEST(Characterize, NoiseThatLastsIsSaid) {
 
   constexpr double kR = 0.3;
   const Characterization lasting = found({.lasting = kR});
-  const double of_pairs = 1.0 + 0.5 * kR - kR * kR - 0.5 * kR * kR * kR;
+  double sum = 0.0;
+  for (int k = 1; k < kFrames; ++k) sum += 2.0 * (kFrames - k) * std::pow(kR, k) / (kFrames * (kFrames - 1.0));
   const Finding& r = *lasting.find("frame_correlation");
-  const double rounded = 1.0 / 12.0 / (0.16 * 9.0);  // white noise of rounding beside that of reading
-  const double steps = 1.0 - kR + rounded;
-  EXPECT_NEAR(r.value, 1.0 - steps / (0.75 * steps + 0.25 * (of_pairs + rounded)), 5.0 * r.sd);
+  const double rounded = 1.0 + 1.0 / 12.0 / (0.16 * 9.0);  // white noise of rounding beside that of reading
+  EXPECT_NEAR(r.value, (1.0 - (1.0 - kR) / (1.0 - sum)) / rounded, 5.0 * r.sd);
   EXPECT_EQ(r.from.substr(0, 10), "light 0.00");
   EXPECT_TRUE(warned(lasting, "correlated from frame to frame"));
 

@@ -32,6 +32,7 @@ struct PixelCamera {
   double blinking_share = 0.0, blinking_e = 0.0, dwell = 6.0;
   bool equally_blinking = false, seldom_high = false;  ///< all have blinking_e; they are high for a tenth of the time
   double lasting = 0.0;                                ///< correlation of successive frames' read noise
+  double shading = 0.0;                                ///< part of the light that is missing in the corners
 };
 
 /// 1/f noise of a pixel: two lines in each octave, whose frequency is somewhere in its half, with normal amplitudes.
@@ -70,7 +71,12 @@ PixelArray array_of(const PixelCamera& camera, Random& random) {
   for (std::size_t i = 0; i < kPixels; ++i) {
     const double u = uniform(random), response = 1.0 + camera.prnu * normal(random);
     const bool dead = u < camera.dead_share, hot = !dead && u < camera.dead_share + camera.hot_share;
-    a.response.push_back(dead ? 0.0 : response);
+    const auto from_middle = [](std::size_t k) {
+      const double x = (static_cast<double>(k) + 0.5) / (0.5 * kPixelSide) - 1.0;
+      return 0.5 * x * x;
+    };
+    const double light = 1.0 - camera.shading * (from_middle(i % kPixelSide) + from_middle(i / kPixelSide));
+    a.response.push_back(dead ? 0.0 : light * response);
     a.offset_e.push_back(camera.dsnu_e * normal(random));
     a.hot_e.push_back(!hot                 ? 0.0
                       : camera.equally_hot ? camera.hot_e
@@ -150,6 +156,7 @@ struct PixelCondition {
   int dark_frames = 8;
   std::map<std::string, double> more{};  ///< what is true beside what all have
   bool is_slow = false;                  ///< blinking that is refused, or else warned of
+  double others_hold = 0.95;             ///< a known shortfall: what too few changes tell is in no error
 };
 void PrintTo(const PixelCondition& condition, std::ostream* out) { *out << condition.name; }
 
@@ -203,8 +210,11 @@ void expect_held(const PixelCondition& condition, int draws, double least_sd) {
     const double n = tally.stated, mean = tally.error / n, sd = std::sqrt(tally.squares / n - mean * mean);
     testing::Test::RecordProperty(name, std::to_string(tally.held) + " of " + std::to_string(tally.stated) + ", " +
                                             std::to_string(mean / sd) + " sd");
-    if (condition.is_slow && !condition.more.contains(name)) continue;
-    EXPECT_GE(tally.held, n * 0.95 - least_sd * std::sqrt(n * 0.95 * 0.05)) << name;
+    const double part = condition.more.contains(name) ? 0.95 : condition.others_hold;
+    EXPECT_GE(tally.held, n * part - least_sd * std::sqrt(n * 0.95 * 0.05)) << name;
+    // Of 97 % and 2.5 sd of chance. What blinking pixels add to others is a bound, which holds more.
+    const bool is_bound = camera.blinking_share > 0.0 && !condition.more.contains(name);
+    EXPECT_LE(tally.held, is_bound ? n : n * 0.97 + 2.5 * std::sqrt(n * 0.97 * 0.03)) << name;
     // Those that are stated only where chance made them clear are not without bias.
     EXPECT_LT(std::abs(mean), ((condition.is_slow ? 1.0 : 0.25) + 3.0 / std::sqrt(n)) * sd) << name;
   }
@@ -229,7 +239,7 @@ const std::vector<PixelCondition> kPixelConditions = [] {
        {.side = 0.01, .hot_share = 0.01, .hot_e = 300.0, .blinking_share = 0.02, .blinking_e = 300.0, .dwell = 2.0},
        32},
       {"BlinkingOnce", {.blinking_share = 0.02, .blinking_e = 300.0, .dwell = 32.0}, 32, {}, true},
-      {"BlinkingSeldom", {.blinking_share = 0.02, .blinking_e = 300.0, .dwell = 100.0}, 32, {}, true},
+      {"BlinkingSeldom", {.blinking_share = 0.02, .blinking_e = 300.0, .dwell = 100.0}, 32, {}, true, 0.88},
       {"OneOverF", {.octave_e = 2.0}, 64, corner(2.0)},
       {"OneOverFBelowWhite", {.octave_e = 0.35}, 64, corner(0.35)}};
   for (PixelCondition& one : all) {
@@ -300,6 +310,22 @@ TEST(CharacterizePixels, ALevelThatChangesInEveryFrame) {
   const BlinkingNoise found = estimate_blinking(series, 9.0, 0.5);
   ASSERT_EQ(found.pixels.size(), 1U);
   EXPECT_NEAR(found.change95[0], std::pow(0.025, 1.0 / 7.0), 0.05);
+}
+
+// Light that falls to 44 % in the corners makes more noise in the middle, which is no sign of blinking. Of a thousand
+// frames the gain was 0.44 % off, as the noisiest were left out; its error is 0.07 %.
+TEST(CharacterizePixels, ShadingIsNoBlinking) {
+  Random random(12);
+  const PixelCamera camera{.blinking_share = 0.02, .blinking_e = 200.0, .shading = 0.56};
+  const PixelArray array = array_of(camera, random);
+  std::vector<Stack> stacks;
+  for (const double light : {0.0, 2.0, 4.0})
+    stacks.push_back(frames_of(camera, array, light, light > 0.0 ? 1000 : 64, random));
+  const Characterization found = characterize(std::move(stacks), {});
+  const Finding &gain = *found.find("electrons_per_count"), &prnu = *found.find("prnu");
+  EXPECT_LT(gain.sd, 0.002);
+  EXPECT_NEAR(gain.value, 2.0, 4.0 * gain.sd);
+  EXPECT_NEAR(prnu.value, 0.01, 4.0 * prnu.sd);
 }
 
 // Pixels that blink otherwise than the chain's are said, others are not taken for blinking ones.
@@ -381,15 +407,14 @@ void expect_stages_held(int draws) {
       for (const mtf::Image& frame : frames) stacks.back().sums.series.add(frame.view());
     }
     const Characterization found = characterize(std::move(stacks), {});
-    if (found.find("flicker_octave")->verdict == Verdict::not_determined) {
-      ++refused;
-      continue;
-    }
+    const bool is_refused = found.find("flicker_octave")->verdict == Verdict::not_determined;
+    refused += is_refused ? 1 : 0;
     for (const auto& [name, truth] :
          {std::pair{"hot_fraction", 0.02}, std::pair{"hot_excess", 300.0}, std::pair{"dead_fraction", 0.01},
           std::pair{"flicker_octave", 1.5}, std::pair{"read_noise", 3.0}, std::pair{"rate", 3000.0},
           std::pair{"dsnu", 3.0}, std::pair{"blinking_fraction", 0.02}, std::pair{"blinking_excess", 250.0},
           std::pair{"blinking_dwell", 5.0}}) {
+      if (is_refused && name == std::string_view("flicker_octave")) continue;
       const Finding* f = found.find(name);
       ASSERT_TRUE(f != nullptr && f->verdict == Verdict::determined) << name;
       EXPECT_LT(std::abs(f->value - truth), 4.5 * f->sd) << name;
@@ -399,7 +424,8 @@ void expect_stages_held(int draws) {
   EXPECT_LE(refused, 1 + draws / 40);  // 1/f noise whose scales chance makes others
   for (const auto& [name, count] : held) {
     testing::Test::RecordProperty(name, count);
-    EXPECT_GE(count, (draws - refused) * 0.95 - 4.2 * std::sqrt(draws * 0.95 * 0.05)) << name;
+    EXPECT_GE(count, (draws - (name == "flicker_octave" ? refused : 0)) * 0.95 - 4.2 * std::sqrt(draws * 0.95 * 0.05))
+        << name;
   }
 }
 

@@ -36,6 +36,14 @@ TEST(FrameFlicker, density_is_that_of_folded_one_over_f) {
     EXPECT_NEAR(frame_flicker_density(kNoise, f) / folded(kNoise, f), 1.0, f < 0.02 ? 0.03 : 0.05) << f;
     const FrameFlicker slow{.strength = 4.0, .lowest = 2e-4, .highest = 2.0};
     EXPECT_NEAR(frame_flicker_density(slow, f) / folded(slow, f), 1.0, f < 0.02 ? 0.03 : 0.07) << f;
+    for (const double highest : {0.6, 0.75, 1.0, 1.25, 1.5, 1.75}) {
+      const FrameFlicker between{.strength = 4.0, .lowest = 2e-4, .highest = highest};
+      EXPECT_NEAR(frame_flicker_density(between, f) / folded(between, f), 1.0,
+                  f < 0.02   ? 0.03
+                  : f < 0.25 ? 0.16
+                             : 0.31)
+          << f << " of " << highest;
+    }
   }
 }
 

@@ -31,7 +31,7 @@ Parts parts_of(const FrameFlicker& noise) {
                           " cycles per frame; frequencies are above 0 and rise, the strength is 0 or above");
   // Above the first octave is what new numbers have, which is flat: the less folds on it, the more falls with
   // frequency.
-  const double first = 1.48 + 0.06 / std::max(0.25, noise.highest * noise.highest);
+  const double first = 1.48 + 0.064 * std::max(0.0, 1.0 / std::max(0.25, noise.highest * noise.highest) - 0.25);
   Parts parts{.white = frame_flicker_variance(noise)};
   // Octaves down to `lowest`, of the last one a part.
   double left = std::min(std::log2(kMiddle / noise.lowest) - 0.5, kMostOctaves);

@@ -9,8 +9,8 @@
 // Gardner, Scientific American 238 (4), 16 (1978)). With K ln 2 in an octave, 1.48 (`highest` of 2 and more) to 1.72
 // (1/2) times that in the first and a part in the last, the folded spectrum is kept within 3 % from 5 times `lowest` to
 // 0.02 cycles per frame and, from 2 on, 7 % up to the Nyquist frequency; for 1/2 within 9 % up to 1/4 and 32 % above,
-// but in each octave within 2.5 % from 15 times `lowest` on. Below `lowest` it is flat. Each number is that of its
-// pixel and frame: any region, order or number of threads gives the same ones.
+// but in each octave within 2.5 % from 15 times `lowest` on; between 1/2 and 2 within 16 % up to 1/4 and 31 % above.
+// Below `lowest` it is flat. A number is that of its pixel and frame, by any region, order or number of threads.
 
 #include <cmath>
 #include <numbers>
