@@ -370,7 +370,7 @@ TEST(Field, ImagesMeetParabolasAndEndWithTheDetector) {
       EXPECT_NEAR(shift_at(x, y), parabola(x - 0.5, y - 0.5), 1e-12) << x << " " << y;  // rounding
   EXPECT_NO_THROW(shift_at(14.1, 3.0));
   for (const auto& [x, y] : {std::pair{14.2, 1.0}, {-0.2, 1.0}, {3.0, 3.1}, {3.0, -40.0}})
-    expect_refused({"covers the detector with 14 x 3 samples", "ask for places on the detector"},
+    expect_refused({"covers the detector with 14x3 samples", "ask for places on the detector"},
                    [&] { shift_at(x, y); });
 }
 
@@ -400,12 +400,12 @@ TEST(Field, EveryJumpOfAnImageIsLookedAt) {
     image.column.resize(1);
     const auto columns = static_cast<std::size_t>(image.columns);
     image.column[0].value.assign(columns * static_cast<std::size_t>(image.rows), 0.2);
-    for (const auto& [x, y, by] : {std::tuple{37.5, 22.5, 1.5}, {9.5, 40.5, 0.4}})
+    for (const auto& [x, y, by] : {std::tuple{37.5, 22.5, 1.5}, {15.5, 34.5, 0.4}})
       image.column[0].value[static_cast<std::size_t>(y * finer) * columns + static_cast<std::size_t>(x * finer)] += by;
     const auto map = make_field_image(std::move(image));
-    for (const std::size_t n : {3U, 17U}) {
+    for (const std::size_t n : {3U, 5U}) {  // whose points are not next to the jumps
       const auto found = hardest_pixels(*map, 0, n, {0.5 * finer, 0.5 * finer}, {63.5 * finer, 47.5 * finer}, {64, 48});
-      for (const auto& [x, y] : {std::array{37, 22}, std::array{9, 40}})
+      for (const auto& [x, y] : {std::array{37, 22}, std::array{15, 34}})
         EXPECT_TRUE(std::ranges::any_of(found,
                                         [&](const auto& at) {
                                           return std::abs(at[0] - x) <= 1 &&

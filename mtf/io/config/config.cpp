@@ -164,6 +164,10 @@ void check_system(Reader& reader, const System<double>& system, const Origin& or
       if ((path.ends_with("_x") || path.ends_with("_y")) && !reader.positions.contains(path) &&
           reader.positions.contains(stem))
         path = stem;
+      for (const FileKey& key : kFileKeys)  // of a member that a file stands for the key that is written
+        if (const std::string written = path.substr(0, path.rfind('.') + 1) + std::string(key.key);
+            path.ends_with("." + std::string(key.member)) && reader.positions.contains(written))
+          path = written;
       // What a replaced value gives rise to is no news.
       if (!finding.problem.error && (!intact || frame_wrong)) continue;
       if (seen.contains({path, finding.problem.text}) || is_follow_up(reader, path, finding.problem.text)) continue;

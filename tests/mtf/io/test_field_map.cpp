@@ -335,7 +335,7 @@ TEST_F(ConfigFieldMap, DisplacementsByAnImage) {
   };
   save("flow.exr", 32, 25);
   const std::string body = "kind = \"flow\"\ndisplacements = \"flow.exr\"\n";
-  expect_error(body, {"presample[0].displacements", "32 x 25 samples", "640 x 512"});
+  expect_error(body, {"presample[0].displacements", "32x25 samples", "640x512"});
   save("flow.exr", 40, 32);
   const System<double> image = system(body), terms = system("kind = \"flow\"\nzoom = 0.01\nrotation = \"5 mrad\"\n");
   for (const FieldPoint<double>& q : {FieldPoint<double>{}, {0.3, -0.2}, {-0.7, 0.6}, {0.78, 0.62}})
@@ -351,7 +351,7 @@ TEST_F(ConfigFieldMap, DisplacementsByAnImage) {
   write_exr((folder_ / "flow.exr").string(), {{"Y", Image(40, 32).view()}}, {});
   expect_error(body, {"no channel x", "channels x and y"});
   save("flow.exr", 20000, 2);
-  expect_error(body, {"20000 x 2 samples", "2 to 2^14 along each axis and 2^25 at most"});
+  expect_error(body, {"20000x2 samples", "2 to 2^14 along each axis and 2^25 at most"});
   // The same as planes and interleaved, by another writer (NPY 1.0 by hand).
   const auto npy = [&](const char* shape, bool planes) {
     std::string header = "{'descr': '<f4', 'fortran_order': False, 'shape': (" + std::string(shape) + "), }";
