@@ -192,12 +192,10 @@ void Analysis::find_planes() {
   if (is_hidden_by_rounding(*dark)) return;
   if (!c.found) slow_ = slow_noise_of(*dark);
   const double signal = bright != nullptr ? bright->sums.mean - dark->sums.mean : 0.0;
-  blinking_ = {};
-  double shot = 0.0;
-  if (bright != nullptr && signal > 0.0 && !(rounding_of(*dark) > 1e-4)) {
-    shot = std::max(0.0, (bright->sums.squares.value[kTvh] - dark->sums.squares.value[kTvh]) / signal);
-    blinking_ = blinking_pixels(dark->sums, dark_, shot, side);
-  }
+  const bool tells = bright != nullptr && signal > 0.0 && !(rounding_of(*dark) > 1e-4);
+  const double more = tells ? bright->sums.squares.value[kTvh] - dark->sums.squares.value[kTvh] : 0.0;
+  const double shot = more > 0.0 ? more / signal : 0.0;
+  blinking_ = tells ? blinking_pixels(dark->sums, dark_, shot, side) : BlinkingPixels();
   if (blinking_.found()) {  // their mean frames are other ones in each stack
     without = blinking_.restless;
     for (const std::int64_t place : noisy_for_light(*bright, *dark, *bright, dark_, shot)) without.insert(place);
@@ -363,9 +361,8 @@ void Analysis::add_transfer() {
   add_value("electrons_per_count", "e-", {inverse, inverse * gain_.sd / gain_.value}, from);
   const CrosstalkEstimate& c = result_.crosstalk;  // which gave the neighbours of defects a part
   const double leaks_sd = 4.0 * defects_.mean / own_charge_ * std::hypot(c.side.sd, c.corner.sd);
-  add_value("offset", "counts",
-            {t.offset.value + taken_ - defects_.mean, std::hypot(t.offset.sd, leaks_sd, blinking_.unseen_mean())},
-            from);
+  const double offset_sd = std::hypot(t.offset.sd, leaks_sd, blinking_.unseen_mean());
+  add_value("offset", "counts", {t.offset.value + taken_ - defects_.mean, offset_sd}, from);
   Estimate read2 = scaled(t.read2, 2.0);  // without the 1/f noise
   read2.sd = std::hypot(read2.sd, slow_.within_sd(static_cast<double>(slow_.frames)) / square(gain_.value));
   const VarianceComponent read{.variance = read2.value,
