@@ -28,8 +28,7 @@ Command config_import_command() {
       "coefficients of several, in one file or several, a table over the field that such a block names. How a file\n"
       "was understood is said, and stands in the result as comments.",
       "  mtf config import lens.txt -o lens.toml\n"
-      "  mtf config import axis.txt corner.txt -o zernike.csv\n"
-      "  mtf config import stars.psf --detector 2048,2048 -o psfs.csv"};
+      "  mtf config import axis.txt corner.txt -o zernike.csv"};
   auto& options = options_of<ImportOptions>(app, run_config_import);
   add_text(app, "file", "FILE", "what the lens program exported; several files are several fields", options.files)
       .required = true;

@@ -71,7 +71,7 @@ void assign(const mtf::FieldRef<double>& field, const std::string& text, const s
           const auto word = std::find(value->names.begin(), value->names.end(), text);
           if (word == value->names.end()) throw mtf::UsageError(where + ": " + text + " is no word of this field");
           value->index = static_cast<int>(word - value->names.begin());
-        } else if constexpr (std::is_same_v<T, std::shared_ptr<const mtf::Curve>>) {
+        } else if constexpr (std::is_same_v<T, mtf::CurveSum<double>>) {
           *value = curve(text);
         } else if constexpr (std::is_same_v<T, mtf::Taps<double>>) {
           *value = taps(text);

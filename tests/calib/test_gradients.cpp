@@ -75,12 +75,10 @@ void set_field(Component<double>& component, const std::string& name, const std:
             }
           } else if constexpr (std::is_same_v<T, mtf::Coefficients<double>>) {
             for (const std::string& coefficient : split(text, '|')) v->push_back(value_in(coefficient));
-          } else if constexpr (std::is_same_v<T, std::shared_ptr<const mtf::Curve>>) {
+          } else if constexpr (std::is_same_v<T, mtf::CurveSum<double>>) {
             *v = curve_in(text);
-          } else if constexpr (std::is_assignable_v<T&, double>) {
-            *v = value_in(text);
           } else {
-            FAIL() << name << " takes files at positions";
+            *v = value_in(text);
           }
         },
         field.value);
