@@ -428,10 +428,11 @@ void judge_by_likelihood(FittedParameter& p, const Variable& v, double best, boo
 }  // namespace
 
 double rise_at(FitProblem& problem, std::size_t i, double x, double cost, double noise_factor,
-               std::span<const FlatPoint> flat, const std::function<bool()>& go_on) {
+               std::span<const FlatPoint> flat, const std::function<bool()>& go_on, std::vector<double>* all) {
   const FitPoint minimum = problem.here();
   Profiler profiler{problem, i, cost, noise_factor, flat, go_on};
   const double rise = profiler.at(x);
+  if (all != nullptr) *all = problem.x;
   problem.go_to(minimum);
   return rise;
 }
@@ -482,8 +483,9 @@ std::vector<BentSquare> report_squares(FitProblem& problem, const Solved& solved
       p.value = v.sign * v.step * std::sqrt(std::max(0.0, x));
       p.limit95.reset();
     }
-    const double rise = rise_at(problem, i, far, cost, factor * solved.variance_ratio[i], {}, go_on);
-    if (const double by = std::abs(rise - k95_sd); by > kLikeNormal * k95_sd) bent.push_back({i, by});
+    BentSquare held;
+    const double rise = rise_at(problem, i, far, cost, factor * solved.variance_ratio[i], {}, go_on, &held.x);
+    if (!(std::abs(rise - k95_sd) <= kLikeNormal * k95_sd)) bent.push_back(std::move(held));
   }
   return bent;
 }
@@ -493,13 +495,9 @@ void report_intervals(FitProblem& problem, const Solved& solved, std::span<const
                       const std::function<bool()>& go_on, FitResult& result) {
   const double factor = noise_factor_of(problem, solved);
   const bool judge = !bent.empty() || !flat.empty();
-  // A parameter goes along with a square by their correlation.
-  const auto is_moved = [&](std::size_t i) {
+  const auto is_moved = [&](std::size_t i, double sd) {  // or not known to stay
     return std::ranges::any_of(bent, [&](const BentSquare& square) {
-      const Eigen::MatrixXd& covariance = solved.identified.covariance;
-      const auto a = static_cast<Eigen::Index>(i), b = static_cast<Eigen::Index>(square.parameter);
-      const double correlation = covariance(a, b) / std::sqrt(covariance(a, a) * covariance(b, b));
-      return std::abs(correlation) * square.by > kLikeNormal * k95_sd;
+      return !(std::abs(square.x[i] - problem.x[i]) <= kLikeNormal * k95_sd * sd);
     });
   };
   for (std::size_t i = 0; i < result.parameters.size(); ++i) {
@@ -507,9 +505,9 @@ void report_intervals(FitProblem& problem, const Solved& solved, std::span<const
     const Variable& v = problem.variables[i];
     const FlatPoint* const own = flat_of(i, flat);
     if (p.knowledge == Knowledge::not_determined && own == nullptr && (flat.empty() || v.period > 0.0)) continue;
-    if (!all && flat.empty() && !is_moved(i)) continue;
     const auto index = static_cast<Eigen::Index>(i);
     const double x = problem.x[i], sd = std::sqrt(solved.identified.covariance(index, index));
+    if (!all && flat.empty() && !is_moved(i, sd)) continue;
     const double step = first_step(solved, i, flat), noise = factor * solved.variance_ratio[i];
     std::optional<XEnds> to;
     if (own != nullptr) {

@@ -18,8 +18,7 @@ bool leave_flat_points(FitProblem& problem, Solved& solved, std::span<const Flat
 
 /// A square at whose far end the root of the rise of chi-square differs from what the covariance foretells.
 struct BentSquare {
-  std::size_t parameter = 0;
-  double by = 0.0;  ///< in sd
+  std::vector<double> x{};  ///< all parameters, fitted with the square held there
 };
 
 /// Intervals of parameters that are fitted as squares and known to a tenth or worse: that of the square, cut to its
@@ -32,16 +31,17 @@ std::vector<BentSquare> report_squares(FitProblem& problem, const Solved& solved
 /// Sets intervals, limits, knowledge; takes back correlations and directions that stand for no more than the missing
 /// derivative. `cost`: at the minimum, where the problem stands. Standard errors that the profile contradicts are taken
 /// back about flat points and `bent` squares. Without a flat point, and unless `all` are asked for, those are profiled
-/// that bent squares move by more than counts. Parameters on which the data do not depend are left out unless a flat
-/// point is near. About a flat point the interval has a part at each of the `mirrors` that the data allow.
+/// that move by more than counts where a bent square is at its far end. Parameters on which the data do not depend are
+/// left out unless a flat point is near. About a flat point the interval has a part at each of the `mirrors` that the
+/// data allow.
 void report_intervals(FitProblem& problem, const Solved& solved, std::span<const FlatPoint> flat,
                       std::span<const BentSquare> bent, bool all, double cost, std::span<const Mirror> mirrors,
                       const std::function<bool()>& go_on, FitResult& result);
 
 /// The root of the rise of chi-square, in sd of the noise, where variable i is held at x; `cost` is at the minimum, at
 /// which the problem is before and after, and `noise_factor` that by which rises are divided. Refits begin away from
-/// the `flat` points.
+/// the `flat` points. `all`: takes x of all variables at that fit.
 double rise_at(FitProblem& problem, std::size_t i, double x, double cost, double noise_factor,
-               std::span<const FlatPoint> flat, const std::function<bool()>& go_on);
+               std::span<const FlatPoint> flat, const std::function<bool()>& go_on, std::vector<double>* all = nullptr);
 
 }  // namespace calib
