@@ -429,7 +429,8 @@ void expect_stages_held(int draws) {
   EXPECT_LE(refused, 1 + draws / 40);  // 1/f noise whose scales chance makes others
   for (const auto& [name, count] : held) {
     testing::Test::RecordProperty(name, count);
-    EXPECT_GE(count, (draws - (with_flicker.contains(name) ? refused : 0)) * 0.95 - 4.2 * std::sqrt(draws * 0.95 * 0.05))
+    EXPECT_GE(count,
+              (draws - (with_flicker.contains(name) ? refused : 0)) * 0.95 - 4.2 * std::sqrt(draws * 0.95 * 0.05))
         << name;
   }
 }

@@ -447,12 +447,12 @@ def test_a_device_filters_where_it_is_named() -> None:
     scene = np.random.default_rng(3).random((96, 128)).astype(np.float32)
     sensor = mk.Sensor(frame=dict(focal_length="100 mm", pitch="15 um"), presample=[mk.Gaussian(sigma="9 um")])
     with pytest.raises(mk.UsageError, match="there is no device voodoo"):
-        sensor.simulate(scene, device="voodoo")
+        sensor.simulate(scene, sample="15 um", device="voodoo")
     if all(device["cpu"] for device in mk.devices()):
-        assert any("no device beside the processor" in warning for warning in sensor.simulate(scene, device="auto").warnings)
+        assert any("no device beside the processor" in warning for warning in sensor.simulate(scene, sample="15 um", device="auto").warnings)
     for device in mk.devices():
         assert device["admitted"], device["reason"]
-        own, others = sensor.simulate(scene).image, sensor.simulate(scene, device=device["id"])
+        own, others = sensor.simulate(scene, sample="15 um").image, sensor.simulate(scene, sample="15 um", device=device["id"])
         assert np.sqrt(np.mean((own - others.image) ** 2)) <= 2e-4 * scene.std()
-        plan = sensor.compile(scene.shape, device=device["id"])
+        plan = sensor.compile(scene.shape, sample="15 um", device=device["id"])
         assert np.sqrt(np.mean((own - plan(scene)) ** 2)) <= 2e-4 * scene.std()

@@ -44,8 +44,8 @@ void convert_numbers(bool turned, const char* from, std::int64_t step, const Mea
       value = std::numeric_limits<float>::quiet_NaN();
       continue;
     }
-    const auto exact =
-        static_cast<Exact>(number) * static_cast<Exact>(meaning.gain) + static_cast<Exact>(meaning.offset);
+    const auto itself = static_cast<Exact>(number);  // -0 among them
+    const Exact exact = plain ? itself : itself * static_cast<Exact>(meaning.gain) + static_cast<Exact>(meaning.offset);
     value = static_cast<float>(exact);
     if (rounding != nullptr) rounding->add(static_cast<double>(exact), value);
   }
