@@ -11,6 +11,7 @@
 #include "mtf/io/config/config.h"
 #include "mtf/io/image_io.h"
 #include "tests/apps/command.h"
+#include "tests/calib/made_edges.h"
 #include "tests/mtf/io/png_chunks.h"
 #include "tests/replaced.h"
 
