@@ -43,7 +43,7 @@ struct Device::Parts {
   std::vector<std::pair<std::weak_ptr<const Image>, std::shared_ptr<const DeviceMemory>>> maps_;
 };
 
-/// The texts of mtf/device/kernels.cl, poisson.cl and pixels.cl.
+/// The texts of mtf/device/kernels.cl, poisson.cl, quantiles.cl and pixels.cl.
 extern const char* const kKernelText;
 
 /// What the kernel `bits` writes for an input: four random words, then the bits of -log, cos, sin and a fused sum, and

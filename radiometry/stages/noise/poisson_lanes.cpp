@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 
+#include "mtf/device/quantiles.cl"
 #include "mtf/math/clones.h"
 #include "radiometry/stages/noise/noise_lanes.h"
 #include "radiometry/stages/noise/poisson.h"
@@ -54,13 +55,7 @@ constexpr double kMostT = 9.0;
 
 /// sqrt(2) erfinv(x) / x with t = -log(1 - x^2), t in [0, 9]: a polynomial of least deviation, 1.1e-12.
 MTFKIT_INLINE double quantile_over_x(double t) {
-  constexpr double c[] = {-3.00455630725053981e-6,   2.63989426676429014e-6,    0.0000196994609146873524,
-                          -0.0000301733728886916126, -0.0000347679085325622356, 0.000124034112558126002,
-                          -0.000103125323658543611,  -0.000122021760702882347,  0.000544608835323060565,
-                          -0.000794842866170302387,  -0.0000428920499485373818, 0.00264613187773460187,
-                          -0.00550344652450229798,   0.00333866703179220183,    0.0105117634501789913,
-                          -0.0348193395513713737,    0.0478730432098852384,     -0.00044538306811529229,
-                          -0.210990227913001496,     1.40666032436943938,       2.78760252330192895};
+  constexpr double c[] = {DOUBLE_QUANTILE};
   return polynomial(c, t * (1.0 / 4.5) - 1.0);
 }
 
@@ -154,9 +149,7 @@ MTFKIT_CLONES bool double_block(const Words& words, const float* mean, PoissonBl
 
 /// sqrt(2) erfinv(x) / x as quantile_over_x has it, in single precision: a polynomial of least deviation, 3e-8.
 MTFKIT_INLINE float single_quantile_over_x(float t) {
-  constexpr float c[] = {-6.580621634e-4F, 8.901692361e-4F,  2.306393041e-3F,  -6.286894377e-3F,
-                         3.584114741e-3F,  1.085004070e-2F,  -3.489720634e-2F, 4.780312006e-2F,
-                         -4.351840282e-4F, -2.109847588e-1F, 1.406659949F,     2.787602452F};
+  constexpr float c[] = {SINGLE_QUANTILE};
   return polynomial(c, t * (1.0F / 4.5F) - 1.0F);
 }
 
