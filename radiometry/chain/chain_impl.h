@@ -32,8 +32,8 @@ struct Linear {
   double added = 0.0;
 };
 
-/// As the operations of an image on a device take it.
-inline mtf::DeviceLinear for_device(const Linear& linear, bool is_offset) {
+/// In the precision of pixels, as images take it here and on a device.
+inline mtf::DeviceLinear in_float(const Linear& linear, bool is_offset) {
   const double number = is_offset && !linear.map ? linear.number + linear.added : linear.number;
   const double added = is_offset && !linear.map ? 0.0 : linear.added;
   return {linear.map, static_cast<float>(number), static_cast<float>(added)};

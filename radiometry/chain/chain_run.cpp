@@ -100,11 +100,10 @@ void multiply_add(mtf::Image& image, const Linear& gain, const Linear& offset, i
       for (std::int64_t x = 0; x < width; ++x) wide[static_cast<std::size_t>(x)] = row[x / steps];
       return std::as_const(wide).data();
     };
-    const auto g = static_cast<float>(gain.number), g0 = static_cast<float>(gain.added);
-    const auto o = static_cast<float>(offset.map ? offset.number : offset.number + offset.added),
-               o0 = static_cast<float>(offset.map ? offset.added : 0.0);
+    const auto [of_gain, g, g0] = in_float(gain, false);
+    const auto [of_offset, o, o0] = in_float(offset, true);
     for (std::int64_t y = begin; y < end; ++y) {
-      const float *gains = row_of(gain.map, y, wide_gains), *offsets = row_of(offset.map, y, wide_offsets);
+      const float *gains = row_of(of_gain, y, wide_gains), *offsets = row_of(of_offset, y, wide_offsets);
       float* row = image.data() + y * width;
       for (std::int64_t x = 0; x < width; ++x) row[x] = (g * gains[x] + g0) * row[x] + (o * offsets[x] + o0);
     }

@@ -65,7 +65,7 @@ std::span<const StageRow> charge_rows() {
          multiply_add(electrons, {}, {run.chain.dark_e, run.map, -run.chain.dark_e}, run.threads);
        },
        .step_on_device = [](FrameRun& run, mtf::DeviceImage& electrons) -> void {
-         electrons.multiply_add({}, for_device({run.chain.dark_e, run.map, -run.chain.dark_e}, true));
+         electrons.multiply_add({}, in_float({run.chain.dark_e, run.map, -run.chain.dark_e}, true));
        }},
       {.name = "defects",
        .words = [](const System&, const Sensor& sensor) -> StageWords {

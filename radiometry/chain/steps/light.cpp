@@ -69,9 +69,7 @@ void require_closing(const System&, const Sensor& sensor) {
 }
 
 void add_offset(mtf::Image& image, const Linear& offset, int threads) { multiply_add(image, {}, offset, threads); }
-void add_offset(mtf::DeviceImage& image, const Linear& offset, int) {
-  image.multiply_add({}, for_device(offset, true));
-}
+void add_offset(mtf::DeviceImage& image, const Linear& offset, int) { image.multiply_add({}, in_float(offset, true)); }
 
 /// Adds light of the camera itself to a frame of volts.
 template <class Frame>
@@ -217,7 +215,7 @@ std::span<const StageRow> light_rows() {
          warm_up(run, image);
        },
        .step_on_device = [](FrameRun& run, mtf::DeviceImage& image) -> void {
-         image.multiply_add(for_device(run.maps.light, false), for_device(run.maps.glow, true));
+         image.multiply_add(in_float(run.maps.light, false), in_float(run.maps.glow, true));
          warm_up(run, image);
        }},
       {.name = "lag",
