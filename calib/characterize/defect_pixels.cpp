@@ -38,10 +38,12 @@ struct ExponentialTail {
   }
 };
 
-/// NAME_fraction of the pixels, of which the part `seen` is, from `least` to `most` of it, and NAME_excess.
+/// The part of some pixels that is seen, and its limits.
 struct SeenPart {
   double value = 1.0, sd = 0.0, least = 1.0, most = 1.0;
 };
+
+/// NAME_fraction of the pixels, and NAME_excess.
 void add_exponential(const std::string& name, const ExponentialTail& tail, double pixels, const SeenPart& seen,
                      const Estimate& gain, const std::string& unit, const std::string& from, Characterization& camera) {
   const double m = tail.mean(), n = tail.n, F = tail.limit, s = tail.scatter;

@@ -56,7 +56,7 @@ std::int64_t unequal(const mtf::Image& a, const mtf::Image& b) {
   return count;
 }
 
-/// Means of electrons over ten decades, whole numbers and their neighbours among them, and what is no mean.
+/// Means of electrons over ten decades, whole numbers among them; zero, negative and infinite ones, and NaN.
 mtf::Image all_means(std::int64_t width, std::int64_t height) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> decades(-2.0, 9.0);

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kMostColumns = 1000;
 
-/// Z1 (waves) ... Z8 (waves) of "Z1-Z8 (waves)"; what is no range of terms stands for itself.
+/// Z1 (waves) ... Z8 (waves) of "Z1-Z8 (waves)"; the name itself where it is no range of terms.
 std::vector<std::string> named(std::string_view word) {
   const std::size_t blank = std::min(word.find(' '), word.size());
   const auto ends = split_words(word.substr(0, blank), "Z-");
