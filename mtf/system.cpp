@@ -76,12 +76,12 @@ std::vector<Finding> doubtful_sampling(const System<double>& system, const Compo
 
 /// Of a flow whose points do not move along straight lines.
 std::vector<Problem> large_flow(const Flow<double>& flow) {
-  constexpr double kSmall = 0.1;
+  constexpr double kSmall = 0.1, kAsLarge = 1.0;  // as the whole
   std::vector<Problem> problems;
   for (const auto& [name, share] :
        {std::pair{"zoom", flow.zoom.value_or(0.0)}, {"rotation", 1e-6 * flow.rotation_urad.value_or(0.0)}})
     if (std::abs(share) > kSmall)
-      problems.push_back({.error = false,
+      problems.push_back({.error = std::abs(share) >= kAsLarge,
                           .field = name,
                           .text = "is " + significant(std::abs(share), 3) + (name[0] == 'z' ? "" : " rad") +
                                   " in one integration time; the formula takes paths for straight, which is right to "
