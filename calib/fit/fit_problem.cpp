@@ -263,11 +263,13 @@ bool at_bound(const FitProblem& problem, std::size_t i) {
   return v.period == 0.0 && (problem.x[i] <= v.lo || problem.x[i] >= v.hi);
 }
 
-/// Whether the cost falls away from the bound of one of these variables, by more than rounding.
-bool any_leaves(const FitProblem& problem, const std::vector<int>& held) {
+/// Of variables on their bounds those that the cost holds there: it does not fall away from the bound, but for
+/// rounding.
+std::vector<int> pressed(const FitProblem& problem, std::vector<int> bounded) {
   constexpr double kPull_sd = 0.01;
+  if (bounded.empty() || !problem.apply()) return {};
   const std::vector<Eigen::MatrixXd> normals = problem.normals();
-  return std::any_of(held.begin(), held.end(), [&](int index) {
+  std::erase_if(bounded, [&](int index) {
     const auto i = static_cast<std::size_t>(index);
     double gradient = 0.0, information = 0.0;
     for (std::size_t b = 0; b < normals.size(); ++b) {
@@ -284,6 +286,7 @@ bool any_leaves(const FitProblem& problem, const std::vector<int>& held) {
     const double inward = problem.x[i] <= problem.variables[i].lo ? -gradient : gradient;
     return inward > kPull_sd * std::sqrt(information);
   });
+  return bounded;
 }
 
 }  // namespace
@@ -331,8 +334,6 @@ std::vector<Eigen::MatrixXd> FitProblem::score_covariances(std::span<const Noise
 }
 
 Solution solve(FitProblem& problem, const SolveOptions& asked) {
-  std::vector<int> fixed;
-  if (asked.fixed) fixed.push_back(static_cast<int>(*asked.fixed));
   const auto at_bounds = [&] {
     std::vector<int> all;
     for (std::size_t i = 0; i < problem.x.size(); ++i)
@@ -341,19 +342,25 @@ Solution solve(FitProblem& problem, const SolveOptions& asked) {
   };
   Solution solution;
   const auto go_on_holding = [&](std::vector<int> held) {
-    held.insert(held.end(), fixed.begin(), fixed.end());
+    if (asked.fixed) held.push_back(static_cast<int>(*asked.fixed));
     for (int round = 0; round == 0 || (solution.cut_off && round < 3); ++round) {
       const int before = solution.iterations;
       solution = solve_holding(problem, asked, held);
       solution.iterations += before;
     }
   };
+  // Where a fit begins on bounds that it would press against, as a blur of 0 that the data do not show, it stays there.
+  if (const std::vector<int> held = pressed(problem, at_bounds()); !held.empty()) {
+    go_on_holding(held);
+    if (solution.stopped || (solution.converged && at_bounds() == held && pressed(problem, held) == held))
+      return solution;
+  }
   go_on_holding({});
   for (int round = 0; round < 2 && solution.converged; ++round) {
     const std::vector<int> held = at_bounds();
     if (held.empty()) break;
     go_on_holding(held);
-    if (round > 0 || !solution.converged || !any_leaves(problem, held)) break;
+    if (round > 0 || !solution.converged || pressed(problem, held) == held) break;
     go_on_holding({});
   }
   return solution;
