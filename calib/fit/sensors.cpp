@@ -195,6 +195,7 @@ std::vector<Complex<S>> product(const System<S>& system, std::span<const Kinks> 
 // are of: evaluated once, as a Jet of several chunks.
 
 constexpr std::size_t kChunks = 4;
+constexpr double kPupilError = 1e-9;  // of H: a hundredth of that of its series
 using WideJet = ceres::Jet<double, static_cast<int>(kStride* kChunks)>;
 
 void add_lanes(const Jet4& from, std::size_t chunk, WideJet& to) {
@@ -239,7 +240,7 @@ std::vector<GivenOtf<Jet4>> pupil_of_chunks(std::span<const System<Jet4>* const>
   const std::optional<Ray<WideJet>> ray = at.size() > kFew ? common_ray<WideJet>(at) : std::nullopt;
   std::vector<Complex<WideJet>> h(at.size(), {WideJet(1.0), WideJet(0.0)});
   const auto multiply = [&](const std::vector<Freq<WideJet>>& some, std::vector<Complex<WideJet>>& otf) {
-    for (std::size_t i = 0; i < some.size(); ++i) otf[i] = otf[i] * pupil.otf(some[i], context);
+    for (std::size_t i = 0; i < some.size(); ++i) otf[i] = otf[i] * pupil.otf(some[i], context, kPupilError);
   };
   if (ray)
     multiply_by_series<WideJet>(multiply, pupil.cutoff_cy_mm(context), pupil.kinks_cy_mm(context), *ray, h);

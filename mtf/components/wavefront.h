@@ -125,19 +125,20 @@ struct Wavefront {
     return {.even_x = mirror_x || both, .even_y = mirror_y || both, .real = own.point, .chromatic = !wavelength_um};
   }
 
-  Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
+  /// Absolute error about `accuracy`.
+  Complex<S> otf(const Freq<S>& f, const Context<S>& ctx, double accuracy = 1e-13) const {
     const PupilPolynomial w = wavefront(ctx);
     const S e = obscuration_of(obscuration, ctx);
     // The frequency is turned back instead of the wavefront.
     const auto [cosine, sine] = unit_vector(orientation_deg.value);
     const S x = nu(f.x, ctx), y = nu(f.y, ctx);
     const Freq<S> v{cosine * x + sine * y, cosine * y - sine * x};
-    if (!rim().is_idle()) return cut(w, v, e, ctx);
+    if (!rim().is_idle()) return cut(w, v, e, ctx, accuracy);
     if constexpr (std::is_floating_point_v<S>) {
-      const Complex<double> h = wavefront_pupil_otf(w, {v.x, v.y}, e);
+      const Complex<double> h = wavefront_pupil_otf(w, {v.x, v.y}, e, accuracy);
       return {static_cast<S>(h.re), static_cast<S>(h.im)};
     } else {
-      return with_derivatives(w, v, e, ctx);
+      return with_derivatives(w, v, e, ctx, accuracy);
     }
   }
   double cutoff_cy_mm(const Context<S>& ctx) const { return rim().half_diameter() / value_of(nu(S(1), ctx)); }
@@ -195,7 +196,7 @@ struct Wavefront {
     return {.mirror_x = flat, .mirror_y = own.mirror_y, .point = flat, .radial = false};
   }
   /// The OTF of the cut pupil, at a frequency in the half or quarter that its symmetry leaves.
-  Complex<S> cut(const PupilPolynomial& w, const Freq<S>& v, const S& e, const Context<S>& ctx) const {
+  Complex<S> cut(const PupilPolynomial& w, const Freq<S>& v, const S& e, const Context<S>& ctx, double accuracy) const {
     Freq<T> nu{T(v.x), T(v.y)};
     const bool conjugate = value_of(nu.x) < 0.0 || (value_of(nu.x) == 0.0 && value_of(nu.y) < 0.0);
     if (conjugate) nu = {-nu.x, -nu.y};
@@ -204,11 +205,12 @@ struct Wavefront {
     WavePolynomial<T> waves;
     const S scale = waves_at(S(1), wavelength_reference_um, wavelength(ctx));
     each_coefficient([&](const S& c, const PupilPolynomial& term) { waves.add(term, T(c * scale)); });
-    const Complex<T> h = cut_pupil_otf<T>(waves, nu, T(e), rim<T>());
+    const Complex<T> h = cut_pupil_otf<T>(waves, nu, T(e), rim<T>(), accuracy);
     return {S(h.re), own.point ? S(lift({0.0, 1.0}, h.im)) : S(conjugate ? T(-h.im) : h.im)};
   }
   /// S is a Jet.
-  Complex<S> with_derivatives(const PupilPolynomial& w, const Freq<S>& v, const S& e, const Context<S>& ctx) const {
+  Complex<S> with_derivatives(const PupilPolynomial& w, const Freq<S>& v, const S& e, const Context<S>& ctx,
+                              double accuracy) const {
     const S scale = waves_at(S(1), wavelength_reference_um, wavelength(ctx));
     std::vector<PupilPolynomial> terms;
     std::vector<S> waves;
@@ -218,7 +220,8 @@ struct Wavefront {
       terms.push_back(term);
       waves.push_back(here);
     });
-    const WavefrontOtf h = wavefront_pupil_gradient(w, {value_of(v.x), value_of(v.y)}, value_of(e), {terms, true});
+    const WavefrontOtf h =
+        wavefront_pupil_gradient(w, {value_of(v.x), value_of(v.y)}, value_of(e), {terms, true}, accuracy);
     Complex<S> result{lift(h.value.re, h.d_nu_x.re, v.x, h.d_nu_y.re, v.y) + lift({0.0, h.d_obscuration.re}, e),
                       lift(h.value.im, h.d_nu_x.im, v.x, h.d_nu_y.im, v.y) + lift({0.0, h.d_obscuration.im}, e)};
     for (std::size_t i = 0; i < terms.size(); ++i) {

@@ -130,10 +130,14 @@ double slope(const Row& row, int degree, double w) {
   return sum;
 }
 
-// exp(2 pi i cycles) - 1 without cancellation.
-Cplx turn_less_one(double cycles) {
-  const double half = kPi * (cycles - std::nearbyint(cycles)), s = std::sin(half), c = std::cos(half);
-  return {-2.0 * s * s, 2.0 * s * c};
+/// exp(2 pi i cycles) - 1 without cancellation, |cycles| < 2^50: with a = pi r of what is left of whole cycles it is
+/// 2 i sin a exp(i a), and sin a and cos a come from the sine and cosine of a / 2.
+[[gnu::always_inline]] inline Complex<double> turn_less_one(double cycles) {
+  constexpr double kRound = 0x1.8p+52;  // adding and subtracting it rounds to whole cycles
+  const double r = cycles - ((cycles + kRound) - kRound);
+  const auto [s, c] = sin_cos_reduced(0.25 * r);
+  const double sine = 2.0 * s * c, cosine = 1.0 - 2.0 * s * s;
+  return {-2.0 * sine * sine, 2.0 * sine * cosine};
 }
 
 struct Nodes {
@@ -182,7 +186,17 @@ Nodes choose_nodes(const Phase& phase, const PupilCap& cap, double accuracy) {
 struct Sums {
   Cplx area{};              // of exp(2 pi i D) - 1
   Cplx receding{}, hole{};  // arcs: moving along x with half of the distance, and growing holes
-  std::vector<Cplx> by{};
+  int degree = -1;          // of the moments: that of what is differentiated, or none
+  std::array<std::array<Cplx, kMax + 1>, kMax + 1> moment{};  // of exp(2 pi i D) x^i y^j
+
+  // Of exp(2 pi i D) where D changes by p.
+  Cplx change(const PupilPolynomial& p) const {
+    Cplx sum{};
+    each_term(p.degree, [&](int i, int j) {
+      sum += at(p, i, j) * moment[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
+    });
+    return {-2.0 * kPi * sum.imag(), 2.0 * kPi * sum.real()};
+  }
 };
 
 /// sum[j] of value[k] w[k]^j for j < count; the values are used up.
@@ -203,9 +217,7 @@ MTFKIT_CLONES void power_sums(const double* w, std::size_t n, std::size_t count,
 
 void add_cap(const Phase& phase, const PupilCap& cap, const Nodes& nodes, bool arcs, Sums& sums) {
   const int degree = phase.d.degree;
-  std::array<Cplx, PupilPolynomial::kMaxDegree + 1> moment{};
-  std::size_t moments = 0;
-  for (const PupilPolynomial& p : phase.by) moments = std::max(moments, static_cast<std::size_t>(p.degree) + 1);
+  const auto moments = static_cast<std::size_t>(sums.degree + 1);
   std::vector<double> re(nodes.across.node.size()), im(re.size());
   for (std::size_t i = 0; i < nodes.along.node.size(); ++i) {
     const double t = 0.5 * cap.angle * (1.0 + nodes.along.node[i]), c = std::cos(t), s = std::sin(t);
@@ -221,23 +233,22 @@ void add_cap(const Phase& phase, const PupilCap& cap, const Nodes& nodes, bool a
     Cplx chord{};
     for (std::size_t k = 0; k < used; ++k) chord += Cplx(re[k], im[k]);
     chord *= fold;
-    if (!phase.by.empty()) {
+    sums.area += area_weight * chord;
+    if (moments > 0) {
       for (std::size_t k = 0; k < used; ++k) re[k] += nodes.across.weight[k];
-      std::array<double, std::tuple_size_v<decltype(moment)>> real, imaginary;
+      std::array<double, kMax + 1> real, imaginary;
       power_sums(nodes.across.node.data(), used, moments, re.data(), real.data());
       power_sums(nodes.across.node.data(), used, moments, im.data(), imaginary.data());
-      for (std::size_t j = 0; j < moments; ++j)
-        moment[j] = even && j % 2 == 1 ? Cplx{} : fold * Cplx(real[j], imaginary[j]);
-    }
-    sums.area += area_weight * chord;
-    for (std::size_t q = 0; q < phase.by.size(); ++q) {
-      const Row row = on_chord(phase.by[q], u, half_chord);
-      Cplx sum{};
-      for (std::size_t j = 0; j <= static_cast<std::size_t>(phase.by[q].degree); ++j) sum += row[j] * moment[j];
-      sums.by[q] += area_weight * Cplx(-2.0 * kPi * sum.imag(), 2.0 * kPi * sum.real());
+      double y_power = fold * area_weight;
+      for (std::size_t j = 0; j < moments; ++j, y_power *= half_chord) {
+        if (even && j % 2 == 1) continue;
+        Cplx power = y_power * Cplx(real[j], imaginary[j]);
+        for (std::size_t i = 0; i + j < moments; ++i, power *= u) sums.moment[i][j] += power;
+      }
     }
     if (!arcs) continue;
-    const Cplx ends = turn_less_one(evaluate(d, degree, 1.0)) + turn_less_one(evaluate(d, degree, -1.0));
+    const Complex<double> up = turn_less_one(evaluate(d, degree, 1.0)), down = turn_less_one(evaluate(d, degree, -1.0));
+    const Cplx ends(up.re + down.re, up.im + down.im);
     sums.receding -= 0.5 * weight * cap.radius * c * ends;
     if (cap.hole) sums.hole += weight * cap.radius * ends;
   }
@@ -266,14 +277,10 @@ MTFKIT_CLONES void weighted_turns(const double* coefficient, int degree, const d
   for (std::size_t k = 0; k < n; ++k) re[k] = coefficient[degree];
   for (int j = degree - 1; j >= 0; --j)
     for (std::size_t k = 0; k < n; ++k) re[k] = re[k] * w[k] + coefficient[j];
-  constexpr double kRound = 0x1.8p+52;  // adding and subtracting it rounds to whole cycles
   for (std::size_t k = 0; k < n; ++k) {
-    // With a = pi r, exp(2 i a) - 1 = 2 i sin a exp(i a); sin a and cos a come from the sine and cosine of a / 2.
-    const double r = re[k] - ((re[k] + kRound) - kRound);
-    const auto [s, c] = sin_cos_reduced(0.25 * r);
-    const double sine = 2.0 * s * c, cosine = 1.0 - 2.0 * s * s;
-    re[k] = -2.0 * weight[k] * sine * sine;
-    im[k] = 2.0 * weight[k] * sine * cosine;
+    const Complex<double> turn = turn_less_one(re[k]);
+    re[k] = weight[k] * turn.re;
+    im[k] = weight[k] * turn.im;
   }
 }
 
@@ -411,17 +418,17 @@ WavefrontOtf wavefront_pupil_gradient(const PupilPolynomial& wavefront, const Fr
   }
 
   Sums sums;
-  sums.by.resize(phase.by.size());
+  for (const PupilPolynomial& p : phase.by) sums.degree = std::max(sums.degree, p.degree);
   for (const PupilCap& cap : pupil_caps(h, e))
     add_cap(phase, cap, choose_nodes(phase, cap, accuracy * (1.0 - e * e)), gradient.geometry, sums);
 
   const PupilMtf focused = annular_pupil_mtf(h, e);
   const double ring = (1.0 - e) * (1.0 + e), scale = 1.0 / (kPi * ring);
   result.value = plain(focused.value + scale * sums.area);
-  for (std::size_t i = 0; i < gradient.terms.size(); ++i) result.d_term[i] = plain(scale * sums.by[i]);
+  for (std::size_t i = 0; i < gradient.terms.size(); ++i) result.d_term[i] = plain(scale * sums.change(phase.by[i]));
   if (!gradient.geometry) return result;
-  const Cplx d_h = focused.d_nu + scale * (2.0 * sums.receding + sums.by[gradient.terms.size()]);
-  const Cplx d_turn = scale * sums.by[gradient.terms.size() + 1];
+  const Cplx d_h = focused.d_nu + scale * (2.0 * sums.receding + sums.change(phase.by[gradient.terms.size()]));
+  const Cplx d_turn = scale * sums.change(phase.by[gradient.terms.size() + 1]);
   Cplx d_x = cosine * d_h - sine * d_turn, d_y = sine * d_h + cosine * d_turn;
   if (h == 0.0) d_x.real(0.0), d_y.real(0.0);
   result.d_nu_x = plain(d_x);
