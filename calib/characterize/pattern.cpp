@@ -43,7 +43,8 @@ Lines lines_of(mtf::ImageView<const float> plane, const std::vector<char>& out) 
         sum[by_row ? y : x] += value - (by_row ? lines.columns[x] : lines.rows[y]);
         count[by_row ? y : x] += 1.0;
       }
-    for (std::size_t k = 0; k < mine.size(); ++k) mine[k] = count[k] > 0.0 ? sum[k] / count[k] : 0.0;
+    const double counted = mean_of(count), others = counted > 0.0 ? mean_of(sum) / counted : 0.0;  // of empty lines
+    for (std::size_t k = 0; k < mine.size(); ++k) mine[k] = count[k] > 0.0 ? sum[k] / count[k] : others;
   };
   const bool all = std::find(out.begin(), out.end(), 1) == out.end();
   for (int pass = 0; pass < (all ? 1 : kPasses); ++pass) {
@@ -53,6 +54,24 @@ Lines lines_of(mtf::ImageView<const float> plane, const std::vector<char>& out) 
   const double mean = mean_of(lines.columns);
   for (double& one : lines.columns) one -= mean;
   for (double& one : lines.rows) one += mean;
+  return lines;
+}
+
+/// Medians of rows, and of what columns have beyond them, which pixels that stand at an end of the scale do not move:
+/// by means each of these would make its whole row and column look far.
+Lines median_lines(mtf::ImageView<const float> plane) {
+  Lines lines;
+  std::vector<double> values;
+  for (std::int64_t y = 0; y < plane.height; ++y) {
+    values.assign(plane.row(y), plane.row(y) + plane.width);
+    lines.rows.push_back(median(values));
+  }
+  for (std::int64_t x = 0; x < plane.width; ++x) {
+    values.clear();
+    for (std::int64_t y = 0; y < plane.height; ++y)
+      values.push_back(static_cast<double>(plane.row(y)[x]) - lines.rows[static_cast<std::size_t>(y)]);
+    lines.columns.push_back(median(values));
+  }
   return lines;
 }
 
@@ -107,10 +126,10 @@ PlaneSquares plane_squares(mtf::ImageView<const float> plane, int trend, const s
   for (const std::int64_t place : without)
     if (place >= 0 && place < std::ssize(out)) out[static_cast<std::size_t>(place)] = 1;
   const std::vector<char> given = out;
-  Lines lines = lines_of(plane, out);
-  std::size_t left_out = 0;
+  Lines lines = median_lines(plane);
+  std::size_t left_out = n + 1;  // none yet
   PlaneSquares result;
-  for (int pass = 0; pass < 3; ++pass) {
+  for (int pass = 0; pass < 4; ++pass) {
     const double far = result.far = defect_limit(n, [&](std::size_t i) { return residual(plane, lines, i); });
     std::size_t count = 0;
     for (std::size_t i = 0; i < n; ++i) {
