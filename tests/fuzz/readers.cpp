@@ -39,7 +39,9 @@
 #include "mtf/io/csv/field_map_csv.h"
 #include "mtf/io/csv/spectrum_csv.h"
 #include "mtf/io/csv/tape7.h"
+#include "mtf/io/designs/design_columns.h"
 #include "mtf/io/designs/mtf_listing.h"
+#include "mtf/io/designs/psf_fits.h"
 #include "mtf/io/designs/psf_listing.h"
 #include "mtf/io/designs/zernike_listing.h"
 #include "mtf/io/image_formats.h"
@@ -91,8 +93,7 @@ void read_npy(const std::string&, const std::string& path) {
   reader.read(0, values);
 }
 
-void read_listing(const std::string& text, const std::string& path) {
-  const mtf::io::DesignText lines = mtf::io::design_text(text, path);
+void read_tables(const mtf::io::DesignText& lines) {
   const std::function<void()> kinds[] = {[&] { mtf::io::read_zernike_listing(lines, {}); },
                                          [&] { mtf::io::read_psf_listing(lines, {}); },
                                          [&] { mtf::io::read_mtf_listing(lines, {}); }};
@@ -100,6 +101,21 @@ void read_listing(const std::string& text, const std::string& path) {
       read();
     } catch (const mtf::Error&) {  // of another kind of listing
     }
+}
+
+void read_listing(const std::string& text, const std::string& path) {
+  const mtf::io::DesignText lines = mtf::io::design_text(text, path);
+  read_tables(lines);
+  mtf::io::field_scan_columns(lines);
+}
+
+/// A first line that names the columns, and the listing.
+void read_columns(const std::string& text, const std::string& path) {
+  const std::size_t end = std::min(text.find('\n'), text.size());
+  mtf::io::DesignRemarks remarks;
+  const mtf::io::DesignText table =
+      mtf::io::with_columns(mtf::io::design_text(text.substr(end), path), text.substr(0, end), remarks);
+  read_tables(table);
 }
 
 mtf::io::SensorConfig starter() { return mtf::io::parse_config(mtf::io::starter_config(), "sensor.toml").config; }
@@ -146,6 +162,11 @@ std::vector<Reader> readers() {
       {"oecf", ".csv", [](Text text, Text path) { mtf::io::parse_oecf(text, path); }},
       {"regions", ".csv", [](Text text, Text path) { calib::parse_roi_file(text, path); }},
       {"listing", ".txt", read_listing},
+      {"columns", ".txt", read_columns},
+      {"pointspread", ".fits",
+       [](Text, Text path) {
+         mtf::io::read_psf_fits(path, {.detector = {{64, 64}}});
+       }},
       {"weather", ".csv", [](Text text, Text path) { apps::scene::parse_weather(text, path); }},
       {"gltf", ".gltf", [](Text text, Text) { mesh([&] { apps::scene::read_gltf(".gltf", text, ""); }); }},
       {"glb", ".glb", [](Text text, Text) { mesh([&] { apps::scene::read_gltf(".glb", text, ""); }); }},
