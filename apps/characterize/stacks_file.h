@@ -1,26 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The file that describes stacks of flat frames (TOML, read as sensor files are):
-//   schema = 1
-//   nominal = "sensor.toml"         what frames do not tell; may be left out
-//   [camera]
-//   bits = 12                       of the converter; else those of the nominal
-//   [[stack]]
-//   frames = "dark/*.png"           PNG, TIFF, OpenEXR, one file a frame; or one NPY cube (frames, rows, columns)
-//   exposure = "10 ms"
-//   light = false
-//   [[stack]]
-//   frames = "bright/*.raw"         bare numbers, one frame in a file or several one after the other
-//   raw = { width = 640, height = 512, type = "uint16le" }    or uint16be, uint8; header and stride in bytes
-//   exposure = "10 ms"
-//   photons = 5200                  mean number at a pixel in an exposure; or irradiance = 0.02 (W/m^2, with [light]
-//                                   wavelength), or relative = 3.0; none of them: the light is as the exposure
-//   [[stack]]
-//   frames = "step/*.png"           successive frames, of which the light steps between two to another level: the lag
-//   step = "20 ms"                  from frame to frame
-// Frames of blackbodies have temperature = "308 K" or radiance = 45.0 (W m^-2 sr^-1 in the band of the nominal)
-// instead. Names of files are relative to the folder of this one. EMVA's descriptors give the same
+// The file that describes stacks of flat frames (TOML, read as sensor files are); apps/README.md, "A camera from its
+// own frames", has every key. Names of files are relative to the folder of this one. EMVA's descriptors give the same
 // (emva_descriptor.h).
 
 #include <cstdint>

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <set>
 #include <span>
 #include <string>
@@ -17,6 +16,7 @@
 #include "apps/terminal/progress_line.h"
 #include "apps/terminal/text_table.h"
 #include "apps/text/message_words.h"
+#include "mtf/engines/statistics.h"
 #include "mtf/error.h"
 #include "mtf/image.h"
 #include "mtf/io/codecs/drawing.h"
@@ -33,20 +33,6 @@ using mtf::io::Colour;
 
 constexpr Colour kRegionColour{90, 200, 255}, kEdgeColour{255, 210, 0}, kTroubleColour{255, 90, 60},
     kText{235, 235, 235};
-
-struct Range {
-  float low, high;
-};
-
-Range range_of(const mtf::Image& image) {
-  Range range{std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity()};
-  for (std::int64_t i = 0; i < image.size(); ++i) {
-    if (!std::isfinite(image.data()[i])) continue;
-    range.low = std::min(range.low, image.data()[i]);
-    range.high = std::max(range.high, image.data()[i]);
-  }
-  return range.low <= range.high ? range : Range{0.0F, 0.0F};
-}
 
 /// The whole number 1, 2 or 5 x 10^n next below.
 double round_length(double length) {
@@ -148,7 +134,8 @@ void write_annotated_image(const std::string& path, const mtf::Image& image, std
   drawing.zoom = static_cast<int>(std::clamp<std::int64_t>(800 / longest, 1, 8));
   draw_edges(edges, drawing);
 
-  const Range range = range_of(image);
+  const mtf::Statistics values = mtf::statistics(image.view());
+  const auto low = static_cast<float>(values.min), high = static_cast<float>(values.max);
   const auto width = std::max(image.width(), static_cast<std::int64_t>(std::ceil(kLeastWidth / drawing.zoom)));
   Legend legend(image.height(), static_cast<double>(width * drawing.zoom), drawing);
   const auto measured = [](const MeasuredEdge& one) { return one.edge.trouble == Trouble::none; };
@@ -159,15 +146,14 @@ void write_annotated_image(const std::string& path, const mtf::Image& image, std
   }
   if (!std::all_of(edges.begin(), edges.end(), measured))
     legend.line(kTroubleColour, 20.0, false, "region without a result, and why");
-  legend.greys("values from " + significant(static_cast<double>(range.low), 5) + " to " +
-               significant(static_cast<double>(range.high), 5));
+  legend.greys("values from " + significant(values.min, 5) + " to " + significant(values.max, 5));
   const double scale_px = round_length(kScale / drawing.zoom);
   legend.line(kText, scale_px * drawing.zoom, true, plural(static_cast<std::int64_t>(scale_px), "pixel"));
 
   mtf::Image page(width, legend.bottom_px());
-  std::fill_n(page.data(), page.size(), range.low + kGround * (range.high - range.low));
+  std::fill_n(page.data(), page.size(), low + kGround * (high - low));
   copy(image.view(), part_of(page.view(), {0, 0, image.width(), image.height()}));
-  mtf::io::write_annotated_png(path, page.view(), range.low, range.high, drawing);
+  mtf::io::write_annotated_png(path, page.view(), low, high, drawing);
 }
 
 // A series of images as a table, for through-focus curves and for a lens over its field: what the edges of each image

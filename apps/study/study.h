@@ -1,46 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// A trade study: a base sensor, what varies, what is asked of every design. The file (TOML):
-//   schema = 1
-//   name = "aperture against pitch"
-//   sensor = "satellite.toml"          # beside the study file
-//   tolerance = 1e-4                   # of every metric: absolute where it is plain and at most 1, else relative
-//   seed = 1
-//   constraints = ["mtf_nyquist > 0.1", "netd < 50 mK", "focal_length <= 4 m"]
-//   objectives = ["maximize niirs_giqe5", "minimize aperture ^ 2.5"]
-//   [[axis]]
-//   parameter = "optics.aperture"      # any value of the sensor file: owner and key, or the key alone where unique
-//   values = ["100 mm", "200 mm"]      # a list; also of words, whole numbers, lists ([band] wavelength) or files
-//   [[axis]]
-//   parameter = "frame.pitch"
-//   from = "5 um"
-//   to = "15 um"
-//   count = 11                         # of a grid
-//   scale = "log"                      # or "linear"
-//   [[axis]]
-//   name = "f_number"                  # a number of the study's own, for links, constraints and objectives
-//   from = 4.0
-//   to = 12.0
-//   count = 9
-//   [sampling]
-//   method = "grid"                    # all combinations, the last axis fastest; or "latin_hypercube", "sobol"
-//   points = 4096                      # of the latter
-//   [links]                            # parameters that follow from others
-//   focal_length = "f_number * aperture"
-//   [[as_built]]                       # variation of what is built about its design value
-//   parameter = "optics.obscuration"
-//   sd = 0.01                          # or plus_minus (uniform); in the parameter's unit, or "2 %" of its value
-//   [yield]
-//   draws = 200
-//   [metrics]
-//   list = ["mtf_nyquist", "niirs_giqe5"]        # those in constraints and objectives come by themselves
-//   [conditions]                       # what metrics take from outside of the sensor, see
-//   radiometry/performance/conditions.h
+// A trade study: a base sensor, what varies, what is asked of every design; its file is described in the README beside
+// this header, with every key. What metrics take from outside of the sensor: radiometry/performance/conditions.h.
 // Axes over `sensor` itself name other sensor files. A discrete axis is one of anything but numbers that the sensor's
 // formulas take (plain or with unit): whole numbers, words, flags, texts, files, lists, and lengths where the sensor
-// file has an angle. The combinations of their levels are variants, sensors of their own. The README beside this header
-// has every key.
+// file has an angle. The combinations of their levels are variants, sensors of their own.
 
 #include <cmath>
 #include <cstdint>

@@ -23,11 +23,9 @@ struct ImageFormat {
   std::string_view written{};                 ///< numbers that are written; "" = the format is only read
   std::string_view applied, noted, refused;
   bool (*starts)(std::string_view bytes);  ///< whether a file that starts so is one
-  FileInfo (*info)(const std::string& path);
-  ImageFile (*read)(const std::string& path, const ReadOptions& options);
-  OpenRaw raw = nullptr;  ///< of formats whose numbers lie bare
+  OpenRaw raw = nullptr;                   ///< of formats that are read as bare numbers
   /// Whether windows of it can be read (mtf/io/image_windows.h).
-  bool in_pieces() const { return raw != nullptr || format == Format::exr; }
+  bool in_pieces() const { return format == Format::exr || (raw != nullptr && format != Format::camera_raw); }
 };
 
 std::span<const ImageFormat> image_formats();

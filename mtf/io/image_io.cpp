@@ -22,23 +22,6 @@ namespace {
 
 using std::string_view_literals::operator""sv;
 
-template <Format format>
-FileInfo raster_info(const std::string& path) {
-  return read_raster_info(path, format);
-}
-template <Format format>
-ImageFile raster_image(const std::string& path, const ReadOptions& options) {
-  return read_raster(path, format, options);
-}
-template <OpenRaw open>
-FileInfo raw_info(const std::string& path) {
-  return read_raw_info(path, open);
-}
-template <OpenRaw open>
-ImageFile raw_image(const std::string& path, const ReadOptions& options) {
-  return read_raw(path, open, options);
-}
-
 bool starts_as_tiff(std::string_view bytes) {
   return std::ranges::any_of(std::array{"II\x2a\0"sv, "MM\0\x2a"sv, "II\x2b\0"sv, "MM\0\x2b"sv},
                              [&](std::string_view mark) { return bytes.starts_with(mark); });
@@ -71,9 +54,7 @@ constexpr std::array kFormats{
                 .applied = "windows, layers, parts, levels, spectra, attributes mtf:*",
                 .noted = "views, environment maps, compression with a loss, colour spaces",
                 .refused = "deep and subsampled channels",
-                .starts = [](std::string_view bytes) { return bytes.starts_with("\x76\x2f\x31\x01"sv); },
-                .info = read_exr_info,
-                .read = read_exr},
+                .starts = [](std::string_view bytes) { return bytes.starts_with("\x76\x2f\x31\x01"sv); }},
     ImageFormat{.format = Format::png,
                 .name = "PNG",
                 .known_by = "first bytes",
@@ -83,9 +64,7 @@ constexpr std::array kFormats{
                 .applied = "curve (cICP, iCCP, sRGB, gAMA) by [scene] encoding, tRNS of grey, pHYs, interlace",
                 .noted = "palette, alpha, sBIT, animation, orientation",
                 .refused = "unknown critical chunks",
-                .starts = [](std::string_view bytes) { return bytes.starts_with("\x89PNG\r\n\x1a\n"sv); },
-                .info = raster_info<Format::png>,
-                .read = raster_image<Format::png>},
+                .starts = [](std::string_view bytes) { return bytes.starts_with("\x89PNG\r\n\x1a\n"sv); }},
     ImageFormat{
         .format = Format::tiff,
         .name = "TIFF",
@@ -96,9 +75,7 @@ constexpr std::array kFormats{
         .applied = "TransferFunction by [scene] encoding, GDAL_NODATA, pages (--page N), resolution, tiles, BigTIFF",
         .noted = "further pages, palette, alpha, ICC profiles, MaxSampleValue",
         .refused = "whole numbers of 1 and 32 bits, complex; mosaics, CMYK, YCbCr; Orientation",
-        .starts = starts_as_tiff,
-        .info = raster_info<Format::tiff>,
-        .read = raster_image<Format::tiff>},
+        .starts = starts_as_tiff},
     ImageFormat{.format = Format::jpeg,
                 .name = "JPEG",
                 .known_by = "first bytes",
@@ -106,9 +83,7 @@ constexpr std::array kFormats{
                 .applied = "curve sRGB by [scene] encoding, densities; raw counts as channel counts",
                 .noted = "orientation, further images, unknown segments, which may be raw counts",
                 .refused = "12 bits, lossless, RGB, CMYK",
-                .starts = [](std::string_view bytes) { return bytes.starts_with("\xff\xd8\xff"sv); },
-                .info = raster_info<Format::jpeg>,
-                .read = raster_image<Format::jpeg>},
+                .starts = [](std::string_view bytes) { return bytes.starts_with("\xff\xd8\xff"sv); }},
     ImageFormat{.format = Format::envi,
                 .name = "ENVI",
                 .known_by = "ENVI in NAME.hdr, itself or beside",
@@ -119,8 +94,6 @@ constexpr std::array kFormats{
                 .noted = "reflectance scales, bbl, classes, bytes behind the numbers",
                 .refused = "complex, compressed, frame offsets, wavelength without units",
                 .starts = [](std::string_view bytes) { return bytes.starts_with("ENVI"sv); },
-                .info = raw_info<open_envi>,
-                .read = raw_image<open_envi>,
                 .raw = open_envi},
     ImageFormat{.format = Format::fits,
                 .name = "FITS",
@@ -130,8 +103,6 @@ constexpr std::array kFormats{
                 .noted = "tables and compressed images beside others",
                 .refused = "compressed images, no image of two axes",
                 .starts = [](std::string_view bytes) { return bytes.starts_with("SIMPLE  ="sv); },
-                .info = raw_info<open_fits>,
-                .read = raw_image<open_fits>,
                 .raw = open_fits},
     ImageFormat{.format = Format::pnm,
                 .name = "PGM, PPM",
@@ -141,8 +112,6 @@ constexpr std::array kFormats{
                 .noted = "bytes behind the image",
                 .refused = "bitmaps (P1, P4), PAM, PFM",
                 .starts = starts_as_pnm,
-                .info = raw_info<open_pnm>,
-                .read = raw_image<open_pnm>,
                 .raw = open_pnm},
     ImageFormat{.format = Format::bmp,
                 .name = "BMP",
@@ -152,8 +121,6 @@ constexpr std::array kFormats{
                 .noted = "",
                 .refused = "palettes of colours, 1, 4 and 16 bits, run lengths",
                 .starts = starts_as_bmp,
-                .info = raw_info<open_bmp>,
-                .read = raw_image<open_bmp>,
                 .raw = open_bmp},
     ImageFormat{
         .format = Format::flir,
@@ -164,8 +131,6 @@ constexpr std::array kFormats{
         .noted = "constants that are missing, frames without counts, bytes behind the last one",
         .refused = "JPEG-LS (CSQ) without CharLS",
         .starts = [](std::string_view bytes) { return bytes.starts_with("FFF\0"sv) || bytes.starts_with("AFF\0"sv); },
-        .info = raw_info<open_flir>,
-        .read = raw_image<open_flir>,
         .raw = open_flir},
     ImageFormat{.format = Format::gdal,
                 .name = "GDAL",
@@ -175,8 +140,6 @@ constexpr std::array kFormats{
                 .noted = "geotransform and coordinate system, as text",
                 .refused = "complex numbers, palettes",
                 .starts = starts_as_gdal,
-                .info = raw_info<open_gdal>,
-                .read = raw_image<open_gdal>,
                 .raw = open_gdal},
     ImageFormat{.format = Format::camera_raw,
                 .name = "DNG, raw",
@@ -186,8 +149,7 @@ constexpr std::array kFormats{
                 .noted = "mosaic, black level, exposure, orientation",
                 .refused = "demosaiced and X-Trans files, floats",
                 .starts = [](std::string_view) { return false; },  // by their names
-                .info = raw_info<open_camera_raw>,
-                .read = raw_image<open_camera_raw>}};
+                .raw = open_camera_raw}};
 
 /// By content and, of bare numbers, by the header beside them.
 std::optional<Format> format_at(const std::string& path) {
@@ -275,10 +237,16 @@ ImageWindows::ImageWindows(const std::string& path, const ReadOptions& options) 
   }
 }
 
-FileInfo read_info(const std::string& path) { return row_of(detect_format(path)).info(path); }
+FileInfo read_info(const std::string& path) {
+  const ImageFormat& row = row_of(detect_format(path));
+  if (row.format == Format::exr) return read_exr_info(path);
+  return row.raw != nullptr ? read_raw_info(path, row.raw) : read_raster_info(path, row.format);
+}
 
 ImageFile read_image(const std::string& path, const ReadOptions& options) {
-  return row_of(detect_format(path)).read(path, options);
+  const ImageFormat& row = row_of(detect_format(path));
+  if (row.format == Format::exr) return read_exr(path, options);
+  return row.raw != nullptr ? read_raw(path, row.raw, options) : read_raster(path, row.format, options);
 }
 
 void note_no_data(FileInfo& info, const std::string& words) {

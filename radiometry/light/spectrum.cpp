@@ -16,14 +16,6 @@ using mtf::UsageError;
 
 constexpr double kShortest_um = 1e-6, kLongest_um = 1e12;
 
-/// The samples of the curve and the points of the new grid, over the new grid.
-std::vector<double> common_points(const Spectrum& spectrum, std::span<const double> grid) {
-  std::vector<double> points = union_grid({grid.front(), grid.back()}, {&spectrum, 1});
-  std::vector<double> all;
-  std::set_union(points.begin(), points.end(), grid.begin(), grid.end(), std::back_inserter(all));
-  return all;
-}
-
 void require_rising(const std::string& source, std::span<const double> wavelength_um) {
   for (std::size_t i = 0; i < wavelength_um.size(); ++i) {
     const std::string where = source + ": sample " + std::to_string(i + 1) + ": ";
@@ -34,15 +26,6 @@ void require_rising(const std::string& source, std::span<const double> wavelengt
       throw UsageError(where + "wavelength " + format_double(wavelength_um[i]) + " um after " +
                        format_double(wavelength_um[i - 1]) + " um; sort the samples so that wavelengths increase");
   }
-}
-
-/// The new grid rises and lies within the curve.
-void require_inside(const Spectrum& spectrum, std::span<const double> wavelength_um) {
-  require_rising(spectrum.source + ", new grid", wavelength_um);
-  const Interval have = range_of(spectrum);
-  if (!wavelength_um.empty() && (wavelength_um.front() < have.lo_um || wavelength_um.back() > have.hi_um))
-    throw UsageError(spectrum.source + ": covers " + describe(have) + ", the new grid " +
-                     describe({wavelength_um.front(), wavelength_um.back()}) + "; shorten the grid");
 }
 
 }  // namespace
@@ -127,48 +110,6 @@ Spectrum product(std::string source, std::span<const Spectrum> factors) {
   std::vector<double> grid = union_grid(common_range({kShortest_um, kLongest_um}, factors), factors), value;
   for (const double w : grid) value.push_back(value_at(w));
   return make_spectrum(std::move(source), std::move(grid), std::move(value));
-}
-
-Spectrum resample(const Spectrum& spectrum, std::span<const double> wavelength_um) {
-  require_inside(spectrum, wavelength_um);
-  const std::vector<double> to(wavelength_um.begin(), wavelength_um.end());
-  if (to.size() < 2) {
-    std::vector<double> value;
-    for (const double w : to) value.push_back(evaluate(spectrum, w));
-    return make_spectrum(spectrum.source, to, value);
-  }
-  std::vector<double> sum(to.size(), 0.0);
-  const std::vector<double> points = common_points(spectrum, to);
-  for (std::size_t i = 0, j = 0; i + 1 < points.size(); ++i) {
-    const double a = points[i], b = points[i + 1], middle = 0.5 * (a + b);
-    while (to[j + 1] <= a) ++j;
-    const double at_a = evaluate(spectrum, a), at_b = evaluate(spectrum, b);
-    const auto share = [&](double w, double value, double weight) {
-      const double right = (w - to[j]) / (to[j + 1] - to[j]);
-      sum[j] += weight * value * (1.0 - right);
-      sum[j + 1] += weight * value * right;
-    };
-    // Simpson's rule is exact for the product of two straight lines.
-    share(a, at_a, (b - a) / 6.0);
-    share(middle, 0.5 * (at_a + at_b), (b - a) * (2.0 / 3.0));
-    share(b, at_b, (b - a) / 6.0);
-  }
-  for (std::size_t j = 0; j < to.size(); ++j)
-    sum[j] /= 0.5 * (to[std::min(j + 1, to.size() - 1)] - to[j == 0 ? 0 : j - 1]);
-  return make_spectrum(spectrum.source, to, sum);
-}
-
-std::vector<double> bin_means(const Spectrum& spectrum, std::span<const double> edge_um) {
-  if (edge_um.size() < 2) throw UsageError(spectrum.source + ": bins need at least two edges");
-  require_inside(spectrum, edge_um);
-  std::vector<double> means(edge_um.size() - 1, 0.0);
-  const std::vector<double> points = common_points(spectrum, edge_um);
-  for (std::size_t i = 0, j = 0; i + 1 < points.size(); ++i) {
-    while (edge_um[j + 1] <= points[i]) ++j;
-    means[j] += 0.5 * (points[i + 1] - points[i]) * (evaluate(spectrum, points[i]) + evaluate(spectrum, points[i + 1]));
-  }
-  for (std::size_t j = 0; j < means.size(); ++j) means[j] /= edge_um[j + 1] - edge_um[j];
-  return means;
 }
 
 }  // namespace radiometry

@@ -50,15 +50,6 @@ std::vector<double> union_grid(const Interval& interval, std::span<const Spectru
 /// themselves (band_response.h). Throws UsageError when they have nothing in common.
 Spectrum product(std::string source, std::span<const Spectrum> factors);
 
-/// The curve on another grid, each sample the mean of the curve weighted by the hat function of the new grid: the
-/// integral from the first to the last wavelength is conserved exactly, constants and signs too. Throws UsageError for
-/// a grid that does not rise or leaves the range of the curve.
-Spectrum resample(const Spectrum& spectrum, std::span<const double> wavelength_um);
-
-/// The mean of the curve between each pair of neighbouring edges: mean x width is the integral, bin by bin. Throws as
-/// `resample` does, and for fewer than two edges.
-std::vector<double> bin_means(const Spectrum& spectrum, std::span<const double> edge_um);
-
 /// "3.4 um to 4.8 um", for messages.
 std::string describe(const Interval& interval);
 

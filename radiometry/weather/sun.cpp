@@ -10,6 +10,7 @@
 
 #include "mtf/error.h"
 #include "mtf/units.h"
+#include "radiometry/performance/implicit_root.h"
 #include "radiometry/weather/instant.h"
 
 namespace radiometry::heat {
@@ -107,30 +108,6 @@ void require_place_and_time(double utc_s, const Place& place) {
         "sun_position: the time is outside of the years 1800 to 2200; it counts seconds since 1970-01-01T00:00:00Z");
 }
 
-/// Between two times of which the sun is above the zenith angle at one and below at the other (Illinois variant of the
-/// false position).
-double crossing_between(const Place& place, double zenith_rad, double a, double above_a, double b, double above_b) {
-  constexpr double kPrecision_s = 1e-3;
-  int side = 0;
-  while (b - a > kPrecision_s) {
-    const double middle = std::clamp((a * above_b - b * above_a) / (above_b - above_a), a, b);
-    const double above = zenith_rad - sun_position(middle, place).zenith_rad;
-    if (std::abs(above) < 1e-12) return middle;
-    if ((above > 0.0) == (above_b > 0.0)) {
-      b = middle;
-      above_b = above;
-      if (side == -1) above_a /= 2.0;
-      side = -1;
-    } else {
-      a = middle;
-      above_a = above;
-      if (side == 1) above_b /= 2.0;
-      side = 1;
-    }
-  }
-  return (a + b) / 2.0;
-}
-
 }  // namespace
 
 SunPosition sun_position(double utc_s, const Place& place) {
@@ -174,32 +151,11 @@ std::vector<SunCrossing> sun_crossings(const Place& place, double begin_s, doubl
   while (a < end_s) {
     const double b = std::min(a + kStep_s, end_s), above_b = above(b);
     if ((above_a > 0.0) != (above_b > 0.0))
-      crossings.push_back({crossing_between(place, zenith_rad, a, above_a, b, above_b), above_b > 0.0});
+      crossings.push_back({find_root(above, a, b, above_a, above_b), above_b > 0.0});
     a = b;
     above_a = above_b;
   }
   return crossings;
-}
-
-std::vector<SunAt> sun_table(const Place& place, double begin_s, double end_s, int count) {
-  if (count < 2) throw mtf::UsageError("sun_table: at least two directions are needed, the ends of the daylight");
-  std::vector<double> edges;  // begin and end of each stretch of daylight
-  if (sun_position(begin_s, place).zenith_rad < kPi / 2) edges.push_back(begin_s);
-  for (const SunCrossing& crossing : sun_crossings(place, begin_s, end_s)) edges.push_back(crossing.utc_s);
-  if (edges.size() % 2 == 1) edges.push_back(end_s);
-  double daylight_s = 0.0;
-  for (std::size_t i = 0; i < edges.size(); i += 2) daylight_s += edges[i + 1] - edges[i];
-
-  std::vector<SunAt> table;
-  for (std::size_t i = 0; i < edges.size(); i += 2) {
-    const double length_s = edges[i + 1] - edges[i];
-    const int steps = std::max(1, static_cast<int>(std::lround(count * length_s / daylight_s)) - 1);
-    for (int k = 0; k <= steps; ++k) {
-      const double t = edges[i] + length_s * k / steps;
-      table.push_back({t, sun_position(t, place)});
-    }
-  }
-  return table;
 }
 
 }  // namespace radiometry::heat

@@ -74,9 +74,4 @@ struct SunAt {
   SunPosition sun;
 };
 
-/// About `count` positions between the two times while the sun is up, evenly in time: every stretch of daylight gets a
-/// share by its length, its ends (sunrise and sunset, zenith 90 deg) included, and at least two. Empty where the sun
-/// stays down. For tables of shadows, which are linear in time between neighbours of one stretch.
-std::vector<SunAt> sun_table(const Place& place, double begin_s, double end_s, int count);
-
 }  // namespace radiometry::heat

@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <random>
 
 #include "radiometry/light/spectrum.h"
 #include "tests/expect_error.h"
@@ -11,14 +10,6 @@ namespace radiometry {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
-double trapezoid(const Spectrum& s, double lo, double hi) {
-  const std::vector<double> grid = union_grid({lo, hi}, {&s, 1});
-  double sum = 0.0;
-  for (std::size_t i = 0; i + 1 < grid.size(); ++i)
-    sum += 0.5 * (grid[i + 1] - grid[i]) * (evaluate(s, grid[i]) + evaluate(s, grid[i + 1]));
-  return sum;
-}
 
 TEST(Spectrum, lines_between_samples_zero_outside) {
   const Spectrum s = make_spectrum("qe", {3.0, 4.0, 5.0}, {0.2, 0.6, 0.0});
@@ -49,44 +40,6 @@ TEST(Spectrum, product_lies_on_the_union_of_the_grids) {
     EXPECT_EQ(p.value[i], evaluate(curves[0], p.wavelength_um[i]) * evaluate(curves[1], p.wavelength_um[i]) * 0.5);
 }
 
-TEST(Spectrum, resampling_conserves_the_integral) {
-  std::mt19937 random(1);
-  std::uniform_real_distribution<double> uniform(0.01, 1.0);
-  for (int trial = 0; trial < 50; ++trial) {
-    std::vector<double> w{1.0}, v{uniform(random)};
-    for (int i = 0; i < 40; ++i) w.push_back(w.back() + uniform(random)), v.push_back(uniform(random));
-    const Spectrum s = make_spectrum("s", w, v);
-    std::vector<double> to{w[1]};
-    while (to.back() < w[38]) to.push_back(to.back() + 2.0 * uniform(random) * (trial % 2 == 0 ? 0.05 : 1.0));
-    to.back() = w[38];
-    const Spectrum r = resample(s, to);
-    const double exact = trapezoid(s, to.front(), to.back());
-    EXPECT_NEAR(trapezoid(r, to.front(), to.back()), exact, 1e-14 * exact);
-    const std::vector<double> means = bin_means(s, to);
-    double sum = 0.0;
-    for (std::size_t j = 0; j < means.size(); ++j) {
-      const double bin = trapezoid(s, to[j], to[j + 1]);
-      EXPECT_NEAR(means[j] * (to[j + 1] - to[j]), bin, 1e-14 * bin);
-      sum += bin;
-    }
-    EXPECT_NEAR(sum, exact, 1e-13 * exact);
-  }
-  // Constants stay; a grid of one takes the value there.
-  for (const double value : resample(constant_spectrum("c", 0.7), std::vector{1.0, 2.0, 7.0}).value)
-    EXPECT_NEAR(value, 0.7, 3e-16);
-  EXPECT_EQ(resample(make_spectrum("s", {1.0, 2.0}, {0.0, 1.0}), std::vector{1.25}).value[0], 0.25);
-}
-
-TEST(Spectrum, a_million_samples_take_no_time) {
-  std::vector<double> w, v;
-  for (int i = 0; i < 1'000'000; ++i) w.push_back(3.0 + 1e-6 * i), v.push_back(0.5 + 0.5 * std::sin(1e-3 * i));
-  const Spectrum s = make_spectrum("laser scan", w, v, 1.0);
-  const std::vector<double> to(w.begin() + 1, w.end() - 1);
-  const double exact = trapezoid(s, to.front(), to.back());
-  EXPECT_NEAR(trapezoid(resample(s, to), to.front(), to.back()), exact, 1e-10 * exact);
-  EXPECT_EQ(bin_means(s, to).size(), to.size() - 1);
-}
-
 TEST(Spectrum, refusals_say_where_and_what) {
   expect_refused({"qe.csv", "3 wavelengths and 2 values"}, [] { make_spectrum("qe.csv", {1, 2, 3}, {1, 2}); });
   expect_refused({"qe.csv", "no samples"}, [] { make_spectrum("qe.csv", {}, {}); });
@@ -103,9 +56,6 @@ TEST(Spectrum, refusals_say_where_and_what) {
   const Spectrum s = make_spectrum("qe.csv", {3, 5}, {1, 1});
   expect_refused({"qe.csv", "3 um to 5 um", "8 um to 12 um"}, [&] { common_range({8, 12}, {&s, 1}); });
   expect_refused({"band 12 um to 8 um"}, [&] { common_range({12, 8}, {&s, 1}); });
-  expect_refused({"3 um to 5 um", "2 um to 4 um"}, [&] { resample(s, std::vector{2.0, 4.0}); });
-  expect_refused({"two edges"}, [&] { bin_means(s, std::vector{4.0}); });
-  expect_refused({"sort"}, [&] { resample(s, std::vector{4.0, 3.5}); });
 }
 
 }  // namespace

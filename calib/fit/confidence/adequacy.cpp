@@ -2,6 +2,7 @@
 #include "calib/fit/confidence/adequacy.h"
 
 #include <algorithm>
+#include <boost/math/special_functions/beta.hpp>
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -80,34 +81,11 @@ int spacing_of(const PixelCorrelation& correlation) {
   return correlation.rings + 1;
 }
 
-double incomplete_beta(double x, double a, double b) {
-  constexpr double kTiny = 1e-300;
-  const auto away_from_zero = [](double v) { return std::abs(v) < kTiny ? kTiny : v; };
-  double c = 1.0, d = 1.0 / away_from_zero(1.0 - (a + b) * x / (a + 1.0)), fraction = d;
-  for (int m = 1; m < 10000; ++m) {
-    const double even = m * (b - m) * x / ((a + 2 * m - 1.0) * (a + 2 * m));
-    d = 1.0 / away_from_zero(1.0 + even * d);
-    c = away_from_zero(1.0 + even / c);
-    fraction *= c * d;
-    const double odd = -(a + m) * (a + b + m) * x / ((a + 2 * m) * (a + 2 * m + 1.0));
-    d = 1.0 / away_from_zero(1.0 + odd * d);
-    c = away_from_zero(1.0 + odd / c);
-    fraction *= c * d;
-    if (std::abs(c * d - 1.0) < 1e-12) break;
-  }
-  const double log_front = std::lgamma(a + b) - std::lgamma(a) - std::lgamma(b) + a * std::log(x) + b * std::log1p(-x);
-  return std::clamp(std::exp(log_front) * fraction / a, 0.0, 1.0);
-}
-
 }  // namespace
 
-// The regularised incomplete beta function I_x(b, a), by its continued fraction (Numerical Recipes 6.4; DLMF 8.17.22).
 double f_tail(double ratio, double dof1, double dof2) {
   if (!(dof1 > 0.0 && dof2 > 0.0 && ratio > 0.0)) return 1.0;
-  const double a = 0.5 * dof2, b = 0.5 * dof1, x = dof2 / (dof2 + dof1 * ratio);
-  // It converges quickly on the near side of the mean; beyond, I_x(a, b) = 1 - I_(1-x)(b, a).
-  if (x > (a + 1.0) / (a + b + 2.0)) return 1.0 - incomplete_beta(1.0 - x, b, a);
-  return incomplete_beta(x, a, b);
+  return boost::math::ibeta(0.5 * dof2, 0.5 * dof1, dof2 / (dof2 + dof1 * ratio));
 }
 
 Adequacy judge_edge(std::span<const Residual> residuals, std::size_t fitted, double contrast, double quantum) {

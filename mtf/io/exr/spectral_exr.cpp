@@ -192,20 +192,6 @@ std::optional<SpectralPlanes> spectral_planes(const std::string& path, const Ima
   return planes;
 }
 
-std::vector<double> bin_widths_um(const std::vector<double>& wavelength_um) {
-  const std::size_t size = wavelength_um.size();
-  if (size < 2)
-    throw UsageError("integrals over spectral bins: " + std::to_string(size) +
-                     " wavelength(s), from which no width of a bin follows; give densities");
-  std::vector<double> widths;
-  for (std::size_t i = 0; i < size; ++i) {
-    const double below = i == 0 ? 0.0 : wavelength_um[i] - wavelength_um[i - 1];
-    const double above = i + 1 == size ? 0.0 : wavelength_um[i + 1] - wavelength_um[i];
-    widths.push_back(i == 0 ? above : i + 1 == size ? below : 0.5 * (below + above));
-  }
-  return widths;
-}
-
 std::string find_channel(const std::string& path, const FileInfo& info, const std::vector<std::string>& names) {
   for (const std::string& name : names) {
     std::vector<const ChannelInfo*> whole, last;

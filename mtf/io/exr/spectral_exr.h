@@ -47,10 +47,6 @@ struct SpectralPlanes {
 /// radiance is what the file says or what is `asked` for. Throws UsageError for units that are not known.
 std::optional<SpectralPlanes> spectral_planes(const std::string& path, const ImageFile& file, bool asked = false);
 
-/// Width of the bin around each wavelength, from midpoint to midpoint, the outer ones as wide inwards as outwards: what
-/// values that are integrals over bins are to be divided by. Throws UsageError for fewer than two.
-std::vector<double> bin_widths_um(const std::vector<double>& wavelength_um);
-
 /// The first of `names` ("depth", "Z") that the file has as a channel, as a whole name or as the part after the last
 /// dot, in any case; "" when there is none. Throws UsageError when it occurs in several layers or parts.
 std::string find_channel(const std::string& path, const FileInfo& info, const std::vector<std::string>& names);

@@ -164,8 +164,6 @@ TEST(SpectralExr, refusals) {
   expect({"S0.400nm", "S0.500nm", "S1.400nm"}, {"S0.500nm", "among S1.400nm"});
   expect({"S0.400nm", "T.400nm", "T.500nm"}, {"T.500nm has no S0 channel"});
   expect({"S0.400nm", "S0.0,4um"}, {"are the same wavelength"});
-  EXPECT_THROW(bin_widths_um({0.5}), UsageError);
-  EXPECT_EQ(bin_widths_um({1.0, 2.0, 4.0}), (std::vector<double>{1.0, 1.5, 2.0}));
 }
 
 TEST(PlaneBeside, by_name) {

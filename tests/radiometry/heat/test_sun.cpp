@@ -149,34 +149,12 @@ TEST(Sun, DoesNotCrossTheHorizonInPolarDayAndNight) {
     const double begin = utc(day);
     EXPECT_TRUE(sun_crossings(place, begin, begin + 3.0 * kDay_s).empty()) << day;
   }
-  const double summer = utc("2026-07-01T00:00Z"), winter = utc("2026-12-21T00:00Z");
-  EXPECT_TRUE(sun_table(place, winter, winter + kDay_s, 72).empty());
-  const auto table = sun_table(place, summer, summer + kDay_s, 72);
-  ASSERT_EQ(table.size(), 72u);
-  EXPECT_EQ(table.front().utc_s, summer);
-  EXPECT_EQ(table.back().utc_s, summer + kDay_s);
+  const double summer = utc("2026-07-01T00:00Z");
   for (const double pole : {-90.0, 90.0}) {
     const SunPosition sun = sun_position(summer, place_of(0.0, pole));
     EXPECT_TRUE(std::isfinite(sun.azimuth_rad));
     EXPECT_NEAR(sun.zenith_rad / kDegree, 90.0 - (pole > 0.0 ? 23.1 : -23.1), 0.2);
   }
-}
-
-TEST(Sun, TableCoversTheDaylight) {
-  const Place place = place_of(-105.92, 37.70, 2317.0);
-  const double begin = utc("2016-01-01T18:00Z");  // 11 h there: two stretches of daylight
-  const auto table = sun_table(place, begin, begin + kDay_s, 72);
-  EXPECT_NEAR(static_cast<double>(table.size()), 72.0, 1.0);
-  EXPECT_EQ(table.front().utc_s, begin);
-  const auto crossings = sun_crossings(place, begin, begin + kDay_s);
-  ASSERT_EQ(crossings.size(), 2u);
-  int at_the_horizon = 0;
-  for (const SunAt& entry : table) {
-    EXPECT_LT(entry.sun.zenith_rad, std::numbers::pi / 2 + 1e-6);
-    EXPECT_EQ(entry.sun.direction, sun_position(entry.utc_s, place).direction);
-    if (std::abs(entry.sun.zenith_rad - std::numbers::pi / 2) < 1e-6) ++at_the_horizon;
-  }
-  EXPECT_EQ(at_the_horizon, 2);
 }
 
 TEST(Sun, TurnsWithTheAxesOfAScene) {
@@ -198,7 +176,6 @@ TEST(Sun, RefusesPlacesAndTimesThatAreNone) {
   EXPECT_THROW(sun_position(1e12, {}), mtf::UsageError);
   EXPECT_THROW(sun_position(0.0, {}, {.pressure_pa = -1.0}), mtf::UsageError);
   EXPECT_THROW(sun_crossings({}, 1.0, 0.0), mtf::UsageError);
-  EXPECT_THROW(sun_table({}, 0.0, kDay_s, 1), mtf::UsageError);
 }
 
 }  // namespace
