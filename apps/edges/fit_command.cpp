@@ -367,7 +367,9 @@ void add_spot(LoadedData& loaded, EdgePlane made, std::size_t condition) {
   loaded.data.spots.push_back({.name = one_line(plane.image),
                                .image = plane.plane.view(),
                                .roi = {0, 0, plane.plane.width(), plane.plane.height()},
-                               .condition = condition});
+                               .condition = condition,
+                               .saturation = plane.options.saturation,
+                               .floor = plane.options.floor});
 }
 
 std::vector<calib::FitParameter> fit_parameters(const SensorConfig& sensor) {

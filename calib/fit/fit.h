@@ -63,6 +63,7 @@ struct SpotData {
   mtf::ImageView<const float> image;
   Roi roi;
   std::size_t condition = 0;
+  std::optional<double> saturation{}, floor{};  ///< pixels at or beyond them are clipped and do not count
 };
 
 struct FitData {

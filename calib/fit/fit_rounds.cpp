@@ -71,6 +71,8 @@ bool update_weights(FitProblem& problem, std::span<const double> noise) {
       edge->update_noise(*problem.sensors, problem.own[b]);
       any = true;
     }
+    if (auto* spot = std::get_if<SpotBlock>(&problem.blocks[b]))
+      any = spot->update_noise(*problem.sensors, problem.own[b]) || any;
     // Between sets of data, and against priors, the size of the noise matters; it is taken from the residuals.
     const bool relative = problem.blocks.size() > 1 || std::any_of(problem.priors.begin(), problem.priors.end(),
                                                                    [](auto& p) { return p.has_value(); });

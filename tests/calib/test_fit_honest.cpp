@@ -168,6 +168,42 @@ TEST(FitHonest, SpotsOfAnyBrightnessAndSizeLeadToTheirWidth) {
   }
 }
 
+// A pixel at the end of the scale holds less light than fell on it.
+TEST(FitHonest, ClippedPixelsOfSpotsDoNotCount) {
+  Spot spot(1.0, 32, 0.6, 0.0, 0.75);  // the brightest pixel has 0.93
+  const FitResult clipped = fit(spot.data, kSigma);
+  EXPECT_GT(std::abs(clipped.parameters[0].value - 0.6), 10.0 * clipped.parameters[0].linear_sd);
+  spot.data.spots[0].saturation = 0.75;
+  const FitResult result = fit(spot.data, kSigma);
+  EXPECT_EQ(result.status, FitStatus::converged) << result.reason;
+  EXPECT_NEAR(result.parameters[0].value, 0.6, 4.0 * result.parameters[0].stderr_value.value_or(0.0));
+}
+
+// 3e5 electrons of light over 100 of background with read noise 3: the noise of the peak is a hundred times that of the
+// rim. Of 12 draws the rms of errors over their standard deviation lies in 0.49 to 1.65 with 99.9 %; it was 5.
+TEST(FitHonest, ErrorsOfSpotsHoldWithTheNoiseOfTheirLight) {
+  constexpr int kDraws = 12;
+  double squares = 0.0;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    Spot spot;
+    std::mt19937_64 bits(100 + static_cast<std::uint64_t>(draw));
+    std::normal_distribution<double> read(0.0, 3.0);
+    for (std::int64_t y = 0; y < 32; ++y)
+      for (std::int64_t x = 0; x < 32; ++x) {
+        const double dx = static_cast<double>(x) + 0.5 - 16.2, dy = static_cast<double>(y) + 0.5 - 15.7;
+        const double light = 3e5 / (2.0 * std::numbers::pi * 0.36) * std::exp(-(dx * dx + dy * dy) / 0.72);
+        std::poisson_distribution<int> electrons(100.0 + light);
+        spot.image.at(x, y) = static_cast<float>(electrons(bits) + read(bits));
+      }
+    const FitResult result = fit(spot.data, kSigma);
+    EXPECT_EQ(result.status, FitStatus::converged) << result.reason;
+    const double sd = result.parameters[0].stderr_value.value_or(1e-9);
+    squares += (result.parameters[0].value - 0.6) * (result.parameters[0].value - 0.6) / (sd * sd * kDraws);
+  }
+  EXPECT_GT(std::sqrt(squares), 0.49);
+  EXPECT_LT(std::sqrt(squares), 1.65);
+}
+
 TEST(FitHonest, SaturatedAndDoubleSpotsAreNoPsf) {
   const Spot saturated(1.0, 32, 1.5, 0.0, 0.4);
   EXPECT_EQ(fit(saturated.data, kSigma).status, FitStatus::no_data);

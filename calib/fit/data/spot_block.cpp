@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calib/fit/data/spot_block.h"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
+#include "calib/edge/edge_pixels.h"
 #include "calib/edge/median.h"
 
 namespace calib {
@@ -16,13 +19,14 @@ constexpr std::int64_t kLeastSide = 32, kMostSide = 64;  // of what is left of a
 constexpr std::size_t kFewestPixels = 16;
 constexpr double kMostFrequencies = 1024.0;  // of one axis, on either side of 0
 
-/// Calls take(x, y, value) for every pixel with a value.
+/// Calls take(x, y, value) for every pixel whose value counts.
 template <class Take>
-void for_pixels(const mtf::ImageView<const float>& image, const Roi& roi, const Take& take) {
+void for_pixels(const SpotData& data, const Roi& roi, const Take& take) {
+  const ValueLimits limits{data.saturation, data.floor};
   for (std::int64_t y = roi.y; y < roi.y + roi.height; ++y)
     for (std::int64_t x = roi.x; x < roi.x + roi.width; ++x) {
-      const double value = image.at(x, y);
-      if (std::isfinite(value)) take(x, y, value);
+      const float value = data.image.at(x, y);
+      if (std::isfinite(value) && !limits.clipped(value)) take(x, y, static_cast<double>(value));
     }
 }
 
@@ -49,18 +53,17 @@ SpotBlock::SpotBlock(const SpotData& data) : data_(&data), place_(data.condition
 // The brightest 3 x 3 pixels, as one alone may be hot; the pixels above half of it determine the width and the part
 // that is kept.
 void SpotBlock::find_peak() {
-  const auto& image = data_->image;
   const auto near = [&](std::int64_t x, std::int64_t y) {
     double sum = 0.0, count = 0.0;
     const Roi& r = data_->roi;
     const std::int64_t left = std::max(r.x, x - 1), top = std::max(r.y, y - 1);
-    for_pixels(image, {left, top, std::min(r.x + r.width, x + 2) - left, std::min(r.y + r.height, y + 2) - top},
+    for_pixels(*data_, {left, top, std::min(r.x + r.width, x + 2) - left, std::min(r.y + r.height, y + 2) - top},
                [&](std::int64_t, std::int64_t, double value) { sum += value, count += 1.0; });
     return sum / count;
   };
   double most = -INFINITY;
   std::vector<double> rim;
-  for_pixels(image, roi_, [&](std::int64_t x, std::int64_t y, double value) {
+  for_pixels(*data_, roi_, [&](std::int64_t x, std::int64_t y, double value) {
     ++pixels_;
     if (x == roi_.x || y == roi_.y || x + 1 == roi_.x + roi_.width || y + 1 == roi_.y + roi_.height)
       rim.push_back(value);
@@ -75,9 +78,9 @@ void SpotBlock::find_peak() {
   shorten(around.x, around.width, peak_x_, kMostSide);
   shorten(around.y, around.height, peak_y_, kMostSide);
   double largest = -INFINITY;
-  for_pixels(image, around, [&](std::int64_t, std::int64_t, double value) { largest = std::max(largest, value); });
+  for_pixels(*data_, around, [&](std::int64_t, std::int64_t, double value) { largest = std::max(largest, value); });
   double above = 0.0, plateau = 0.0;
-  for_pixels(image, around, [&](std::int64_t, std::int64_t, double value) {
+  for_pixels(*data_, around, [&](std::int64_t, std::int64_t, double value) {
     above += value - background > 0.5 * (largest - background);
     plateau += value == largest;
   });
@@ -98,7 +101,7 @@ void SpotBlock::measure_rim() {
   std::vector<double> rim, off;
   double largest = -INFINITY;
   pixels_ = 0;
-  for_pixels(data_->image, roi_, [&](std::int64_t x, std::int64_t y, double value) {
+  for_pixels(*data_, roi_, [&](std::int64_t x, std::int64_t y, double value) {
     ++pixels_;
     largest = std::max(largest, value);
     if (x == roi_.x || y == roi_.y || x + 1 == roi_.x + roi_.width || y + 1 == roi_.y + roi_.height)
@@ -124,7 +127,7 @@ void SpotBlock::measure_rim() {
 void SpotBlock::start_from_light() {
   double weight = 0.0;
   const double near = 3.0 * width_px_ + 1.5;
-  for_pixels(data_->image, roi_, [&](std::int64_t x, std::int64_t y, double value) {
+  for_pixels(*data_, roi_, [&](std::int64_t x, std::int64_t y, double value) {
     const double light = value / unit_ - background_;
     if (light < 3.0 * sd_) return;
     if (std::hypot(static_cast<double>(x - peak_x_), static_cast<double>(y - peak_y_)) > near) return;
@@ -205,42 +208,85 @@ std::vector<std::vector<double>> SpotBlock::images(const Sensors& sensors, doubl
   return images;
 }
 
-NormalMatrix SpotBlock::normal(const Sensors& sensors, std::span<const double> own) const {
+double SpotBlock::value_at(std::int64_t x, std::int64_t y) const {
+  double value = std::numeric_limits<double>::quiet_NaN();
+  for_pixels(*data_, {x, y, 1, 1}, [&](std::int64_t, std::int64_t, double found) { value = found; });
+  return value;
+}
+
+std::vector<SpotBlock::PixelRow> SpotBlock::rows(const Sensors& sensors, std::span<const double> own) const {
   const auto psf = images(sensors, own[0], own[1]);
-  const std::size_t n = sensors.parameters();
   const double flux = own[2], background = own[3];
-  NormalMatrix all(4 + n);
-  std::size_t i = 0;
-  for (std::int64_t y = 0; y < roi_.height; ++y)
-    for (std::int64_t x = 0; x < roi_.width; ++x, ++i) {
-      const double value = data_->image.at(roi_.x + x, roi_.y + y) / unit_;
-      if (!std::isfinite(value)) continue;
-      const BentResidual r = bent((value - background - flux * psf[0][i]) / sd_, robust_);
-      const double weight = -r.slope / sd_;
-      const std::span<double> row = all.next();
-      row[0] = weight * flux * psf[1][i];
-      row[1] = weight * flux * psf[2][i];
-      row[2] = weight * psf[0][i];
-      row[3] = weight;
-      for (std::size_t k = 0; k < n; ++k) row[4 + k] = weight * flux * psf[3 + k][i];
-      row[4 + n] = r.value;
-      all.add();
-    }
+  std::vector<PixelRow> all;
+  for_pixels(*data_, roi_, [&](std::int64_t x, std::int64_t y, double value) {
+    const auto i = static_cast<std::size_t>((y - roi_.y) * roi_.width + x - roi_.x);
+    PixelRow row{.x = x, .y = y, .light = flux * psf[0][i]};
+    row.slopes = {flux * psf[1][i], flux * psf[2][i], psf[0][i], 1.0};
+    for (std::size_t k = 3; k < psf.size(); ++k) row.slopes.push_back(flux * psf[k][i]);
+    row.left = value / unit_ - background - row.light;
+    all.push_back(std::move(row));
+  });
+  return all;
+}
+
+NormalMatrix SpotBlock::normal(const Sensors& sensors, std::span<const double> own) const {
+  NormalMatrix all(4 + sensors.parameters());
+  for (const PixelRow& pixel : rows(sensors, own)) {
+    const double sd = sd_at(pixel.light);
+    const BentResidual r = bent(pixel.left / sd, robust_);
+    const std::span<double> row = all.next();
+    for (std::size_t k = 0; k < pixel.slopes.size(); ++k) row[k] = -r.slope / sd * pixel.slopes[k];
+    row.back() = r.value;
+    all.add();
+  }
   return all;
 }
 
 std::vector<Residual> SpotBlock::residuals(const Sensors& sensors, std::span<const double> own) const {
-  const auto psf = images(sensors, own[0], own[1]);
   std::vector<Residual> all;
-  std::size_t i = 0;
-  for (std::int64_t y = 0; y < roi_.height; ++y)
-    for (std::int64_t x = 0; x < roi_.width; ++x, ++i) {
-      const double value = data_->image.at(roi_.x + x, roi_.y + y) / unit_;
-      if (!std::isfinite(value)) continue;
-      const double r = (value - own[3] - own[2] * psf[0][i]) / sd_;
-      all.push_back({.x = roi_.x + x, .y = roi_.y + y, .value = r, .sd = sd_ * unit_});
-    }
+  for (const PixelRow& pixel : rows(sensors, own)) {
+    const double sd = sd_at(pixel.light);
+    all.push_back({.x = pixel.x, .y = pixel.y, .value = pixel.left / sd, .sd = sd * unit_});
+  }
   return all;
+}
+
+// Few pixels have most of the light, and a fit that takes their noise for that of the rim goes through them. So each
+// guess of the gain is followed by the residuals of the linear fit with the weights that it makes, each square over
+// what the fit leaves of its variance, 1 - h.
+bool SpotBlock::update_noise(const Sensors& sensors, std::span<const double> own) {
+  constexpr int kGuesses = 20;
+  constexpr double kSure_sd = 3.0, kSame = 0.1, kLeast = 0.05;  // of the gain; of the variance that the fit leaves
+  const std::vector<PixelRow> pixels = rows(sensors, own);
+  const Eigen::Index n = std::ssize(pixels), width = std::ssize(pixels.front().slopes);
+  Eigen::MatrixXd slopes(n, width);
+  Eigen::VectorXd left(n), light(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const PixelRow& pixel = pixels[static_cast<std::size_t>(i)];
+    slopes.row(i) = Eigen::Map<const Eigen::RowVectorXd>(pixel.slopes.data(), width);
+    left[i] = pixel.left;
+    light[i] = std::max(0.0, pixel.light);
+  }
+  double gain = gain_, sd = 0.0;
+  for (int guess = 0; guess < kGuesses; ++guess) {
+    const Eigen::ArrayXd variance = sd_ * sd_ + gain * light.array();
+    const Eigen::VectorXd root = variance.rsqrt();
+    const Eigen::MatrixXd weighted = root.asDiagonal() * slopes;
+    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(weighted);
+    const Eigen::MatrixXd basis = qr.householderQ() * Eigen::MatrixXd::Identity(n, qr.rank());
+    const Eigen::VectorXd scaled = root.asDiagonal() * left, rest = scaled - basis * (basis.transpose() * scaled);
+    const Eigen::ArrayXd kept = (1.0 - basis.rowwise().squaredNorm().array()).max(kLeast);
+    const Eigen::ArrayXd by_light = light.array() / variance, excess = rest.array().square() / kept;
+    const double information = by_light.square().sum();
+    if (!(information > 0.0)) return false;
+    // In units of the variance: excess = (sd^2 + gain x light) / variance.
+    gain = std::max(0.0, (by_light * (excess - sd_ * sd_ / variance)).sum() / information);
+    sd = std::sqrt(2.0 / information);
+  }
+  if (gain < kSure_sd * sd) gain = 0.0;
+  const bool changed = std::abs(gain - gain_) > kSame * std::max(gain, gain_);
+  if (changed) gain_ = gain;
+  return changed;
 }
 
 }  // namespace calib
