@@ -30,6 +30,9 @@ struct VarianceComponent {
   /// Standard deviation were the truth 0: the positive term of fewest degrees of freedom is then what the others tell.
   /// Unlike sd it is no smaller where that term came out small by chance, so it serves for tests and weights.
   double sd_of_zero = 0.0;
+
+  /// The upper end of 95 %, where chance alone can put both ends below 0.
+  double most() const { return high95 > 0.0 ? high95 : 1.959963984540054 * sd; }
 };
 
 /// Of the sum of the terms, which are independent.

@@ -143,7 +143,7 @@ class FindingList {
     const double half = f.value * half95(relative);
     f.verdict = c.low95 > 0.0 ? Verdict::determined : Verdict::upper_limit;
     f.low95 = std::max(0.0, f.value - std::hypot(f.value - root(c.low95), half));
-    f.high95 = f.value + std::hypot(root(c.high95) - f.value, half);
+    f.high95 = f.value + std::hypot(root(c.most()) - f.value, half);
     if (f.value > 0.0) f.sd = std::hypot(c.sd / (2.0 * f.value * squared(counts)), f.value * relative.random);
     f.sd_systematic = f.value * relative.systematic;
     found_.push_back(std::move(f));
@@ -246,6 +246,19 @@ void judge(const MeanLine& line, double misfit_p, Characterization& result) {
                            "temperatures err by more than temperature_sd";
 }
 
+/// The noise of a camera does not fall with the radiance, but for what bends and for chance: where it does, pixels are
+/// full.
+void mark_full(std::vector<Stack>& stacks) {
+  constexpr double kFalls = 0.85, kChance_sd = 5.0;  // of the largest variance of those with less radiance
+  double largest = 0.0;
+  for (Stack& stack : stacks) {
+    if (!stack.is_usable()) continue;
+    const double noise = stack.sums.squares.value[kTvh], chance = 2.0 / std::sqrt(stack.sums.squares.dof(kTvh));
+    stack.saturates = noise < std::min(kFalls, 1.0 - kChance_sd * chance) * largest;
+    largest = std::max(largest, noise);
+  }
+}
+
 }  // namespace
 
 std::string too_few_radiances(std::size_t stacks, bool differ) {
@@ -267,6 +280,7 @@ const Stack* nearest_stack(const std::vector<Stack>& stacks, double radiance) {
 Characterization characterize_thermal(std::vector<Stack> stacks, const ThermalOptions& options) {
   std::stable_sort(stacks.begin(), stacks.end(), [](const Stack& a, const Stack& b) { return a.light < b.light; });
   mark_stuck(stacks);
+  mark_full(stacks);
   require_sound(stacks);
   Characterization result;
   result.reference_k = options.reference_k;

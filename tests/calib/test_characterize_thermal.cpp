@@ -35,6 +35,7 @@ struct ThermalScene {
   double temperature_sd_k = 0.0, emissivity = 1.0, emissivity_sd = 0.0, bend = 0.0;
   std::int64_t side = 24;
   int frames = 6;
+  double full = 1e9;  ///< counts beyond which pixels do not rise, but for the converter's noise of one
   double hot_share = 0.0, hot = 60.0, dead_share = 0.0, blinking_share = 0.0, blinking = 80.0, dwell = 4.0;  ///< counts
 };
 
@@ -82,7 +83,8 @@ std::vector<Stack> draw(const ThermalScene& scene, const std::vector<Planck>& bo
           signal *= 1.0 + scene.bend * signal;
           const double value =
               kOffset + signal + fixed[at] + line + kWhite * normal(engine) + (high[at] != 0 ? blinking[at] : 0.0);
-          frame.data()[i] = static_cast<float>(std::clamp(std::floor(value + 0.5), 0.0, top));
+          const double held = value < scene.full ? value : scene.full + normal(engine);
+          frame.data()[i] = static_cast<float>(std::clamp(std::floor(held + 0.5), 0.0, top));
         }
       }
       sums.add(frame.view());
@@ -106,6 +108,19 @@ ThermalOptions options_of(const ThermalScene& scene) {
           .own_radiance = kOwn,
           .temperature_sd_k = scene.temperature_sd_k,
           .emissivity_sd = scene.emissivity_sd};
+}
+
+// The counts of the hottest body end at 3720, of 16383: by a line through them SiTF would be half of what it is.
+TEST(CharacterizeThermal, FullPixelsAreNoSignal) {
+  Engine engine(11);
+  const ThermalScene scene{.full = 3720.0};
+  const Characterization found = characterize_thermal(draw(scene, {k298, k303, k308}, engine), options_of(scene));
+  EXPECT_NEAR(found.find("sitf")->value, kSitf, 4.0 * found.find("sitf")->sd + 1e-3 * kSitf);
+  ASSERT_FALSE(found.warnings.empty());
+  expect_says(found.warnings.front(), {"308 K", "full", "left out"});
+  expect_refused({"1 usable stack", "full"}, [&] {
+    characterize_thermal(draw(scene, {k298, k308}, engine), options_of(scene));
+  });
 }
 
 // Of 200 intervals 190 should hold: 175 and 200 are five standard deviations (3.1) away, or the end. Components that
