@@ -42,8 +42,11 @@ void check_stacks(const StacksFile& file, const std::optional<mtf::io::SensorCon
     lights.insert(entry.light);
     if (!(entry.light > 0.0)) dark_times.insert(entry.time_s);
   }
-  const std::string few = file.has_blackbodies() ? calib::too_few_radiances(count, lights.size() > 1)
-                                                 : calib::too_few_levels(lights.size(), file.nonlinearity);
+  std::string few = file.has_blackbodies() ? calib::too_few_radiances(count, lights.size() > 1)
+                                           : calib::too_few_levels(lights.size(), file.nonlinearity);
+  for (const StackEntry& entry : file.stacks)
+    if (few.empty() && file.has_times && !file.has_blackbodies() && entry.light > 0.0 && !(entry.step_s > 0.0))
+      few = calib::other_exposure_words(one_line(entry.name), entry.time_s, dark_times);
   const std::string dark = dark_times.empty() ? "no dark stack: give one with light = false" : "";
   const std::string times = file.has_times && dark_times.size() > 1 ? few : "it takes dark stacks of two exposures";
   using Numbers = std::vector<std::pair<const char*, std::string>>;

@@ -93,6 +93,7 @@ class Analysis {
     mark_stuck(result_.stacks);
     mark_saturated(by_light(result_.stacks));
     require_sound(result_.stacks, options_.light_repeatability);
+    if (options_.counts_time) require_dark_exposures(result_.stacks);
     find_planes();
     make_levels();
     fit();
@@ -131,7 +132,7 @@ class Analysis {
     Finding f{.name = name, .unit = unit, .from = from};
     f.value = root(c.variance);
     f.low95 = root(c.low95);
-    f.high95 = root(c.high95 > 0.0 ? c.high95 : k95_sd * c.sd);  // chance alone can put both ends below 0
+    f.high95 = root(c.most());
     f.verdict = c.low95 > 0.0 ? Verdict::determined : Verdict::upper_limit;
     if (f.value > 0.0) {
       // The divisor's error is independent of the variance's.

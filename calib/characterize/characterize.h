@@ -170,6 +170,11 @@ void mark_saturated(const std::vector<Stack*>& by_light);
 /// one: kHidden_counts of rounding.h, and the pixels are within half a count of each other.
 std::string clipped_words(const Stack& stack);
 std::string left_out_words(const Stack& stack);
+/// Why light of that exposure is not told from dark signal, where all dark stacks have another one; "" where it is, or
+/// there is none. Dark stacks of two exposures tell the dark current.
+std::string other_exposure_words(const std::string& name, double time_s, const std::set<double>& dark_s);
+/// Throws UsageError with these words.
+void require_dark_exposures(const std::vector<Stack>& stacks);
 bool is_hidden_by_rounding(const Stack& stack);
 /// Temporal variance that a pixel has in common with others of its row, column or frame.
 double shared_variance(const radiometry::MeanSquares& squares);

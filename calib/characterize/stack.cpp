@@ -159,6 +159,27 @@ std::string left_out_words(const Stack& stack) {
   return stack.name + ": " + clipped_words(stack) + "; left out of the fit";
 }
 
+std::string other_exposure_words(const std::string& name, double time_s, const std::set<double>& dark_s) {
+  constexpr double kSame = 0.01;
+  if (dark_s.size() != 1 || std::abs(time_s - *dark_s.begin()) <= kSame * std::max(time_s, *dark_s.begin())) return "";
+  return name + ": exposed for " + mtf::significant(1e3 * time_s, 4) + " ms, every dark stack for " +
+         mtf::significant(1e3 * *dark_s.begin(), 4) +
+         " ms: the dark signal of the difference would count as light; give dark stacks of the same exposure, or of "
+         "two "
+         "exposures, from which the dark current follows";
+}
+
+void require_dark_exposures(const std::vector<Stack>& stacks) {
+  std::set<double> dark_s;
+  for (const Stack& stack : stacks)
+    if (stack.is_usable() && !(stack.light > 0.0)) dark_s.insert(stack.time_s);
+  for (const Stack& stack : stacks) {
+    const std::string words =
+        stack.is_usable() && stack.light > 0.0 ? other_exposure_words(stack.name, stack.time_s, dark_s) : "";
+    if (!words.empty()) throw mtf::UsageError(words);
+  }
+}
+
 bool is_hidden_by_rounding(const Stack& stack) {
   const radiometry::MeanSquares& squares = stack.sums.squares;
   const double spread2 = squares.variance(kVh) + squares.variance(kV) + squares.variance(kH);

@@ -252,6 +252,14 @@ TEST(Characterize, DarkCurrentAndItsPattern) {
   EXPECT_FALSE(found.misfit) << found.misfit_reason;
 }
 
+TEST(Characterize, LightOfOtherExposuresThanTheDark) {
+  Engine engine(3);
+  std::vector<Stack> stacks = stacks_of({}, array_of({}, engine), engine);
+  for (Stack& stack : stacks) stack.time_s = stack.light > 0.0 ? 0.01 : 1e-6;
+  expect_refused({"exposed for 10 ms", "every dark stack for 0.001 ms", "two exposures"},
+                 [&] { characterize(std::move(stacks), {.counts_time = true}); });
+}
+
 TEST(Characterize, ClippedLevelsAreLeftOut) {
   Camera camera{.offset = 2.0, .top = 12000.0};
   Engine engine(5);
