@@ -57,8 +57,7 @@ Lines lines_of(mtf::ImageView<const float> plane, const std::vector<char>& out) 
   return lines;
 }
 
-/// Medians of rows, and of what columns have beyond them, which pixels that stand at an end of the scale do not move:
-/// by means each of these would make its whole row and column look far.
+/// Medians of rows, and of what columns have beyond them, which single pixels do not move.
 Lines median_lines(mtf::ImageView<const float> plane) {
   Lines lines;
   std::vector<double> values;
@@ -79,6 +78,21 @@ double residual(mtf::ImageView<const float> plane, const Lines& lines, std::size
   const auto H = static_cast<std::size_t>(plane.width);
   return static_cast<double>(plane.row(static_cast<std::int64_t>(i / H))[i % H]) - lines.rows[i / H] -
          lines.columns[i % H];
+}
+
+/// Pixels so far off that they alone would move the means of their row and column by a tenth of what makes a defect,
+/// as those that stand at an end of the scale. More than a hundredth of all are a group, and no such pixels.
+std::vector<char> gross_pixels(mtf::ImageView<const float> plane) {
+  constexpr double kMoves = 0.1;
+  constexpr std::size_t kOneOf = 100;
+  const auto n = static_cast<std::size_t>(plane.width * plane.height);
+  const Lines lines = median_lines(plane);
+  const double far = defect_limit(n, [&](std::size_t i) { return residual(plane, lines, i); }),
+               most = kMoves * far * static_cast<double>(std::min(plane.width, plane.height));
+  std::vector<char> gross(n, 0);
+  for (std::size_t i = 0; i < n; ++i) gross[i] = far > 0.0 && std::abs(residual(plane, lines, i)) > most ? 1 : 0;
+  if (static_cast<std::size_t>(std::ranges::count(gross, 1)) > n / kOneOf) std::ranges::fill(gross, 0);
+  return gross;
 }
 
 /// Variance of a standard normal cut at +- kFar_sd.
@@ -126,10 +140,12 @@ PlaneSquares plane_squares(mtf::ImageView<const float> plane, int trend, const s
   for (const std::int64_t place : without)
     if (place >= 0 && place < std::ssize(out)) out[static_cast<std::size_t>(place)] = 1;
   const std::vector<char> given = out;
-  Lines lines = median_lines(plane);
-  std::size_t left_out = n + 1;  // none yet
+  const std::vector<char> gross = gross_pixels(plane);
+  for (std::size_t i = 0; i < n; ++i) out[i] = std::max(out[i], gross[i]);
+  Lines lines = lines_of(plane, out);
+  auto left_out = static_cast<std::size_t>(std::ranges::count(out, 1));
   PlaneSquares result;
-  for (int pass = 0; pass < 4; ++pass) {
+  for (int pass = 0; pass < 3; ++pass) {
     const double far = result.far = defect_limit(n, [&](std::size_t i) { return residual(plane, lines, i); });
     std::size_t count = 0;
     for (std::size_t i = 0; i < n; ++i) {

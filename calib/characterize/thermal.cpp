@@ -246,14 +246,14 @@ void judge(const MeanLine& line, double misfit_p, Characterization& result) {
                            "temperatures err by more than temperature_sd";
 }
 
-/// The noise of a camera does not fall with the radiance, but for what bends and for chance: where it does, pixels are
+/// The noise of most pixels does not fall with the radiance, but for what bends and for chance: where it does, they are
 /// full.
 void mark_full(std::vector<Stack>& stacks) {
-  constexpr double kFalls = 0.85, kChance_sd = 5.0;  // of the largest variance of those with less radiance
+  constexpr double kFalls = 0.85, kChance_sd = 7.0;  // of the largest variance of those with less radiance
   double largest = 0.0;
   for (Stack& stack : stacks) {
     if (!stack.is_usable()) continue;
-    const double noise = stack.sums.squares.value[kTvh], chance = 2.0 / std::sqrt(stack.sums.squares.dof(kTvh));
+    const double noise = typical_variance(stack.sums), chance = 2.0 / std::sqrt(stack.sums.squares.dof(kTvh));
     stack.saturates = noise < std::min(kFalls, 1.0 - kChance_sd * chance) * largest;
     largest = std::max(largest, noise);
   }

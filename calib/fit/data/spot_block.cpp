@@ -256,7 +256,7 @@ std::vector<Residual> SpotBlock::residuals(const Sensors& sensors, std::span<con
 // what the fit leaves of its variance, 1 - h.
 bool SpotBlock::update_noise(const Sensors& sensors, std::span<const double> own) {
   constexpr int kGuesses = 20;
-  constexpr double kSure_sd = 3.0, kSame = 0.1, kLeast = 0.05;  // of the gain; of the variance that the fit leaves
+  constexpr double kSure_sd = 5.0, kSame = 0.1, kLeast = 0.05;  // of the gain; of the variance that the fit leaves
   const std::vector<PixelRow> pixels = rows(sensors, own);
   const Eigen::Index n = std::ssize(pixels), width = std::ssize(pixels.front().slopes);
   Eigen::MatrixXd slopes(n, width);
@@ -267,7 +267,7 @@ bool SpotBlock::update_noise(const Sensors& sensors, std::span<const double> own
     left[i] = pixel.left;
     light[i] = std::max(0.0, pixel.light);
   }
-  double gain = gain_, sd = 0.0;
+  double gain = gain_;
   for (int guess = 0; guess < kGuesses; ++guess) {
     const Eigen::ArrayXd variance = sd_ * sd_ + gain * light.array();
     const Eigen::VectorXd root = variance.rsqrt();
@@ -281,9 +281,9 @@ bool SpotBlock::update_noise(const Sensors& sensors, std::span<const double> own
     if (!(information > 0.0)) return false;
     // In units of the variance: excess = (sd^2 + gain x light) / variance.
     gain = std::max(0.0, (by_light * (excess - sd_ * sd_ / variance)).sum() / information);
-    sd = std::sqrt(2.0 / information);
   }
-  if (gain < kSure_sd * sd) gain = 0.0;
+  const double sd_of_none = std::sqrt(2.0) * sd_ * sd_ / light.norm();
+  if (gain < kSure_sd * sd_of_none) gain = 0.0;
   const bool changed = std::abs(gain - gain_) > kSame * std::max(gain, gain_);
   if (changed) gain_ = gain;
   return changed;
