@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import mtfkit as mk
-from conftest import run_command
+from conftest import COMMAND, run_command, run_json
 
 TYPES = {1: "u1", 2: "i2", 3: "i4", 4: "f4", 5: "f8", 12: "u2", 13: "u4", 14: "i8", 15: "u8"}
 ROWS, COLUMNS, BANDS = 5, 7, 3
@@ -244,3 +244,27 @@ def test_wavelengths_and_the_ground_are_kept(tmp_path):
         corner = 500000 - 0.5 * 30, 5400000 + 2 * 30  # of the first pixel: its outer corner is at 1, 1
         assert info["geoTransform"] == [corner[0] + 60 * first[0], 60, 0, corner[1] - 60 * first[1], 0, -60]
         assert "UTM zone 32N" in info["coordinateSystem"]["wkt"]
+
+
+def test_frames_of_doubles_say_what_float32_takes(tmp_path):
+    """Between 2^21 and 2^22 floats are 1/4 apart: numpy's own rounding says by how much values change."""
+    random = np.random.default_rng(3)
+
+    def characterized(contrast):
+        text, shares = "[camera]\nbits = 22\n", []
+        for level, light in enumerate(["light = false", "relative = 1", "relative = 2", "relative = 3"]):
+            frames = 3e6 + contrast * (20.0 * level + np.sqrt(20.0 * level + 1.0) * random.standard_normal((4, 24, 32)))
+            np.save(tmp_path / f"{level}.npy", frames)
+            text += f'[[stack]]\nframes = "{level}.npy"\n{light}\n'
+            changed = frames - frames.astype("f4").astype("f8")
+            shares.append(np.sqrt(np.mean(changed[0] ** 2)) / np.std(frames[0]))
+        (tmp_path / "stacks.toml").write_text(text)
+        done = subprocess.run([COMMAND, "characterize", tmp_path / "stacks.toml", "--allow-misfit"], capture_output=True, text=True, check=False)
+        return done, shares
+
+    done, shares = characterized(20.0)
+    assert 1e-5 < shares[0] < 0.01
+    assert f"0.npy frame 1: float32 changes its values by {100 * shares[0]:.2g} % (rms)" in done.stdout + done.stderr
+    done, shares = characterized(1.0)
+    assert shares[0] > 0.01
+    assert done.returncode == 1 and "cannot read" in done.stderr and f"{100 * shares[0]:.2g} % (rms)" in done.stderr
