@@ -21,6 +21,7 @@
 #include "mtf/io/channel_choice.h"
 #include "mtf/io/codecs/raster.h"
 #include "mtf/io/exr/spectral_exr.h"
+#include "mtf/io/float_rounding.h"
 #include "mtf/io/image_formats.h"
 #include "mtf/io/scene.h"
 #include "mtf/units.h"
@@ -46,6 +47,7 @@ struct ImageFacts {
   std::vector<ChannelFacts> channels;  ///< those that were asked for, in the file's order
   std::string values;                  ///< what a value means: stated in the file, or what is assumed
   std::vector<std::string> remarks;
+  bool refused = false;  ///< values of a channel are
   std::string next;  ///< command to run next, "" when nothing in the file can be read
 };
 
@@ -119,15 +121,29 @@ void add_notes(ImageFacts& facts, const mtf::io::ImageFile& image) {
     if (std::ranges::find(facts.remarks, note) == facts.remarks.end()) facts.remarks.push_back(note);
 }
 
+/// The image; nothing, with the reason among the remarks, where float32 would change its values too much.
+std::optional<mtf::io::ImageFile> read_or_say(ImageFacts& facts, const ReadOptions& read) {
+  try {
+    mtf::io::ImageFile image = mtf::io::read_image(facts.path, read);
+    add_notes(facts, image);
+    return image;
+  } catch (const mtf::io::RoundingError& error) {
+    facts.refused = true;
+    facts.remarks.emplace_back(error.what());
+    return std::nullopt;
+  }
+}
+
 void measure_raster(ImageFacts& facts, const InfoOptions& options) {
-  const mtf::io::ImageFile image = mtf::io::read_image(options.file, options.read);
-  add_notes(facts, image);
+  const auto found = read_or_say(facts, options.read);
+  if (!found) return;
+  const mtf::io::ImageFile& image = *found;
   for (std::size_t i = 0; i < image.names.size(); ++i)
     for (ChannelFacts& channel : facts.channels)
       if (channel.channel.name == image.names[i]) measure(channel, image.planes[i]);
 }
 
-void measure_in_turn(ImageFacts& facts, const InfoOptions& options) {
+void measure_in_turn(ImageFacts& facts) {
   const FileInfo& info = facts.info;
   const double pixels = static_cast<double>(info.width) * static_cast<double>(info.height);
   const auto count = static_cast<double>(info.channels.size());
@@ -143,10 +159,10 @@ void measure_in_turn(ImageFacts& facts, const InfoOptions& options) {
       continue;
     }
     const ReadOptions read{.channel = channel.channel.name, .layer = {}, .part = channel.channel.part};
-    const mtf::io::ImageFile image = mtf::io::read_image(options.file, read);
-    add_notes(facts, image);
-    missing = std::max(missing, image.missing_pixels);
-    measure(channel, image.planes.front());
+    const auto image = read_or_say(facts, read);
+    if (!image) continue;
+    missing = std::max(missing, image->missing_pixels);
+    measure(channel, image->planes.front());
   }
   if (unreadable > 0)
     facts.remarks.push_back(std::to_string(unreadable) +
@@ -253,10 +269,11 @@ ImageFacts image_facts(const InfoOptions& options) {
   if (facts.channels.empty() && (wanted || layer || part))
     static_cast<void>(mtf::io::read_image(options.file, options.read));
   if (mtf::io::row_of(facts.info.format).in_pieces())
-    measure_in_turn(facts, options);
+    measure_in_turn(facts);
   else
     measure_raster(facts, options);
   if (std::string remark = counts_remark(facts); !remark.empty()) facts.remarks.push_back(std::move(remark));
+  if (facts.refused) return facts;  // there is nothing to run with it
   if (const std::optional<ReadOptions> read = choice_of(options.file, facts.info, options)) {
     const std::string file = shell_word(options.file) + words_of(*read);
     const bool taken = std::filesystem::path(options.file).filename() == "out.exr";

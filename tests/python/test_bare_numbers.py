@@ -268,3 +268,23 @@ def test_frames_of_doubles_say_what_float32_takes(tmp_path):
     done, shares = characterized(1.0)
     assert shares[0] > 0.01
     assert done.returncode == 1 and "cannot read" in done.stderr and f"{100 * shares[0]:.2g} % (rms)" in done.stderr
+
+
+@pytest.mark.parametrize("ending", ["hdr", "tif"])
+def test_info_shows_the_header_of_values_that_are_refused(tmp_path, ending):
+    """Of double precision about 1e9, where floats are 64 apart."""
+    numbers = 1e9 + np.random.default_rng(2).standard_normal((4, 6))
+    path = tmp_path / f"a.{ending}"
+    (tmp_path / "a.hdr").write_text("ENVI\nsamples = 6\nlines = 4\nbands = 1\ndata type = 5\nbyte order = 0\ninterleave = bsq\n")
+    (tmp_path / "a.dat").write_bytes(numbers.tobytes())
+    if ending == "tif":
+        if shutil.which("gdal_translate") is None:
+            pytest.skip("gdal_translate is not there (package gdal-bin)")
+        subprocess.run(["gdal_translate", "-q", "-of", "GTiff", tmp_path / "a.dat", path], check=True)
+    with pytest.raises(mk.DataError, match="subtract a constant"):
+        mk.read(path)
+    facts = run_json("info", path)
+    assert (facts["width"], facts["height"]) == (6, 4) and facts["channels"][0]["type"] == "double"
+    assert facts["channels"][0]["mean"] is None and facts["next"] == ""
+    assert any("float32 changes its values by" in note and "subtract a constant" in note for note in facts["notes"])
+    assert "6 x 4 px" in run_command("info", path)
