@@ -288,3 +288,22 @@ def test_info_shows_the_header_of_values_that_are_refused(tmp_path, ending):
     assert facts["channels"][0]["mean"] is None and facts["next"] == ""
     assert any("float32 changes its values by" in note and "subtract a constant" in note for note in facts["notes"])
     assert "6 x 4 px" in run_command("info", path)
+
+
+def test_each_point_spread_of_a_table_is_checked(tmp_path):
+    """Also those beyond the first; the sensor that reads the table would refuse the same."""
+    places = ((0, 0), (0, 399), (299, 0), (299, 399))
+
+    def imported(third):
+        planes = np.array([bell(17, 8.0), bell(17, 8.0), third, bell(17, 8.0)], ">f8")
+        cards = [*sizes(-64, 17, 17, 4), ("OVERSAMP", 4), *((f"DET_YX{k}", f"'({y}.0, {x}.0)'") for k, (y, x) in enumerate(places))]
+        (tmp_path / "grid.fits").write_bytes(unit(cards, planes.tobytes()))
+        words = [COMMAND, "config", "import", tmp_path / "grid.fits", "--detector", "400,300", "--force", "-o", tmp_path / "g.csv"]
+        return subprocess.run(words, capture_output=True, text=True, check=False)
+
+    done = imported(bell(17, 8.0))
+    assert done.returncode == 0 and "end before" not in (tmp_path / "g.csv").read_text()
+    done = imported(np.ones((17, 17)))  # a point spread that goes on beyond its samples
+    assert done.returncode == 2 and "(0.5, 0.5) px: samples: they end before" in done.stderr
+    done = imported(bell(17, 8.0) + 2e-4 * np.max(bell(17, 8.0)))
+    assert done.returncode == 0 and "so it is with 1 place of 4" in (tmp_path / "g.csv").read_text()
