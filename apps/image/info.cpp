@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -19,7 +20,6 @@
 #include "mtf/engines/statistics.h"
 #include "mtf/error.h"
 #include "mtf/io/channel_choice.h"
-#include "mtf/io/codecs/raster.h"
 #include "mtf/io/exr/spectral_exr.h"
 #include "mtf/io/float_rounding.h"
 #include "mtf/io/image_formats.h"
@@ -48,7 +48,7 @@ struct ImageFacts {
   std::string values;                  ///< what a value means: stated in the file, or what is assumed
   std::vector<std::string> remarks;
   bool refused = false;  ///< values of a channel are
-  std::string next;  ///< command to run next, "" when nothing in the file can be read
+  std::string next;      ///< command to run next, "" when nothing in the file can be read
 };
 
 using mtf::io::ChannelInfo;
@@ -186,9 +186,13 @@ std::optional<ReadOptions> choice_of(const std::string& path, const FileInfo& in
   const ReadOptions& asked = options.read;
   tries.push_back(asked);
   if (!asked.channel) {
-    for (const ChannelInfo& c : info.channels) tries.push_back({.channel = {}, .layer = c.layer, .part = asked.part});
-    for (const ChannelInfo& c : info.channels) tries.push_back({.channel = {}, .layer = {}, .part = c.part});
-    for (const ChannelInfo& c : info.channels) tries.push_back({.channel = {}, .layer = c.layer, .part = c.part});
+    std::set<std::pair<std::optional<std::string>, std::optional<int>>> known;  // each once: a cube has one layer
+    const auto add = [&](const std::optional<std::string>& layer, const std::optional<int>& part) {
+      if (known.emplace(layer, part).second) tries.push_back({.channel = {}, .layer = layer, .part = part});
+    };
+    for (const ChannelInfo& c : info.channels) add(c.layer, asked.part);
+    for (const ChannelInfo& c : info.channels) add({}, c.part);
+    for (const ChannelInfo& c : info.channels) add(c.layer, c.part);
     for (const ChannelInfo& c : info.channels) tries.push_back({.channel = c.name, .layer = {}, .part = c.part});
   }
   constexpr std::size_t most = 400;
@@ -250,11 +254,7 @@ std::string counts_remark(const ImageFacts& facts) {
 ImageFacts image_facts(const InfoOptions& options) {
   ImageFacts facts;
   facts.path = options.file;
-  facts.info = mtf::io::read_info(options.file);
-  if (facts.info.format == mtf::io::Format::tiff && options.read.part)  // another page
-    facts.info = mtf::io::read_raster_info(options.file, mtf::io::Format::tiff, *options.read.part);
-  if (const auto open = mtf::io::row_of(facts.info.format).raw; open != nullptr && options.read.part)
-    facts.info = mtf::io::read_raw_info(options.file, open, *options.read.part);
+  facts.info = mtf::io::read_info_of(options.file, options.read.part);
   facts.values = meaning(facts.info);
   facts.remarks = facts.info.notes;
   for (std::string remark : {encoding_remark(facts.info), mtf::io::aspect_note(facts.info)})

@@ -26,9 +26,9 @@ class NpyReader {
   const std::vector<std::uint64_t>& shape() const { return shape_; }
   const std::string& type() const { return type_; }  ///< as numpy has it: "<f4", "|u1", ">u2"
   bool is_float() const { return type_[1] == 'f'; }
-  /// Values from the `first` one on, as many as `values` holds, rounded to float. `rounding` counts what that takes, for
-  /// values whose contrast counts, as in frames of a camera; point spreads, displacements and temperatures in K keep
-  /// seven digits of each. Throws RuntimeError.
+  /// Values from the `first` one on, as many as `values` holds, rounded to float. `rounding` counts what that takes,
+  /// for values whose contrast counts, as in frames of a camera; point spreads, displacements and temperatures in K
+  /// keep seven digits of each. Throws RuntimeError.
   void read(std::uint64_t first, std::span<float> values, Rounding* rounding = nullptr);
 
  private:

@@ -307,3 +307,38 @@ def test_each_point_spread_of_a_table_is_checked(tmp_path):
     assert done.returncode == 2 and "(0.5, 0.5) px: samples: they end before" in done.stderr
     done = imported(bell(17, 8.0) + 2e-4 * np.max(bell(17, 8.0)))
     assert done.returncode == 0 and "so it is with 1 place of 4" in (tmp_path / "g.csv").read_text()
+
+
+def test_of_many_images_one_is_opened(tmp_path):
+    """Each that is open has the headers of all, so that more than 64 are listed by their number alone."""
+    if shutil.which("gdal_translate") is None:
+        pytest.skip("gdal_translate is not there (package gdal-bin)")
+    numbers = np.arange(70 * 4 * 6, dtype="<u2").reshape(70, 4, 6)
+    (tmp_path / "a.hdr").write_text("ENVI\nsamples = 6\nlines = 4\nbands = 70\ndata type = 12\nbyte order = 0\ninterleave = bsq\n")
+    (tmp_path / "a.dat").write_bytes(numbers.tobytes())
+
+    def written(bands, name):
+        options = [word for band in range(1, bands + 1) for word in ("-b", str(band))]
+        subprocess.run(["gdal_translate", "-q", "-of", "netCDF", "-co", "FORMAT=NC4", *options, tmp_path / "a.dat", tmp_path / "a.nc"], check=True)
+        (tmp_path / "a.nc").rename(tmp_path / name)
+        return tmp_path / name
+
+    def part_of(bands, part):
+        """The images of HDF5 come by their names, Band1, Band10, ...; netCDF begins with the bottom row."""
+        return numbers[sorted(range(1, bands + 1), key=str)[part] - 1, ::-1]
+
+    try:
+        few = mk.read(written(64, "few.h5"), part=63)
+    except mk.DataError as error:
+        pytest.skip(str(error))  # built without the module of GDAL
+    assert np.array_equal(few.plane(), part_of(64, 63))
+    with pytest.raises(mk.UsageError, match="several parts"):
+        mk.read(tmp_path / "few.h5")
+    many = written(70, "many.h5")
+    for part in (0, 69):
+        assert np.array_equal(mk.read(many, part=part).plane(), part_of(70, part))
+    with pytest.raises(mk.UsageError, match=r"70 images, at most 64 .* N from 0 \(.*\) to 69"):
+        mk.read(many)
+    with pytest.raises(mk.UsageError, match="part 70 is none of its 70 images"):
+        mk.read(many, part=70)
+    assert [channel["part"] for channel in run_json("info", many, "--part", "69")["channels"]] == [69]
