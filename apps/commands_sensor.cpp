@@ -144,6 +144,12 @@ Command info_command() {
   add_flag(app, "--formats", "the formats of images: what is read, written, applied, noted and refused",
            options.formats);
   add_channel_choice(app, options.read);
+  add_text(
+      app, "--assume", "KEY=VALUE +- SD",
+      "of a thermal camera's counts, in place of what their file says, and how uncertain it is: \"emissivity=0.9 +- "
+      "0.02\",\n\"surroundings=+- 2 K\", distance, air_temperature, relative_humidity, window_transmission,\n"
+      "window_temperature; may be given again. The temperatures then have standard deviations and intervals",
+      options.assume);
   add_format(app, "table (default), csv (of the channels) or json", options.format);
   return app;
 }

@@ -48,7 +48,8 @@ struct InfoOptions {
   std::string file;
   bool formats = false;  ///< the table of image formats, in place of a file
   Format format = Format::table;
-  mtf::io::ReadOptions read;  ///< which channels of the image
+  mtf::io::ReadOptions read;        ///< which channels of the image
+  std::vector<std::string> assume;  ///< of counts of a thermal camera, as in simulate/stated_camera.h
 };
 
 struct ConfigOptions {

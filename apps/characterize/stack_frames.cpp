@@ -74,6 +74,7 @@ struct StackFrame {
   std::string where;
   mtf::Image image{};
   std::uint64_t hash = 0;
+  mtf::io::Rounding rounding{};  ///< of an array of wider numbers
 };
 
 /// Neighbours are alike where the bytes of a count are in the order that is stated.
@@ -108,7 +109,8 @@ void read_frame(const StackEntry& entry, const FramePlace& place, double step, S
     const auto columns = static_cast<std::int64_t>(entry.raw ? entry.raw->columns : cube->shape().back());
     if (frame.image.size() != columns * shape.height) frame.image = mtf::Image(columns, shape.height);
     const auto size = static_cast<std::size_t>(frame.image.size());
-    cube->read(static_cast<std::uint64_t>(number) * size, {frame.image.data(), size});
+    frame.rounding = {};
+    cube->read(static_cast<std::uint64_t>(number) * size, {frame.image.data(), size}, &frame.rounding);
     for (std::int64_t y = 1; y < shape.height && columns > shape.width; ++y)
       std::copy_n(frame.image.data() + y * columns, shape.width, frame.image.data() + y * shape.width);
     frame.image.reshape(shape.width, shape.height);
@@ -170,6 +172,7 @@ class Reduction {
     std::vector<mtf::ImageView<const float>> views;
     for (const StackFrame& frame : frames) {
       views.push_back(frame.image.view());
+      roundings_.emplace_back(frame.where, frame.rounding);
       const float *first = frame.image.data(), *end = first + frame.image.size();
       value_ = value_.value_or(*first);
       const bool one_value = std::adjacent_find(first, end, std::not_equal_to()) == end;
@@ -199,6 +202,9 @@ class Reduction {
                                                      : ", as those above 2^24 are in float32: subtract a constant from "
                                                        "them; or, of fewer bits stored shifted, write step = ") +
                               significant(file_.step * step, 6) + " and their bits in [camera]");
+    std::vector<std::string> rounded;  // of which one is enough, and each may be too much
+    for (const auto& [where, rounding] : roundings_) rounding.note(where, "", rounded);
+    if (!rounded.empty()) source_.warnings.push_back(rounded.front());
     if (step == 0)
       source_.warnings.push_back(entry_.name +
                                  ": values that are no whole numbers; rounding is not what it is taken for");
@@ -211,8 +217,9 @@ class Reduction {
   }
 
  private:
-  std::optional<float> value_;  ///< the first
-  bool varies_ = false;         ///< there is more than one value
+  std::vector<std::pair<std::string, mtf::io::Rounding>> roundings_{};  ///< of each frame
+  std::optional<float> value_;                                          ///< the first
+  bool varies_ = false;                                                 ///< there is more than one value
   const StackEntry& entry_;
   const StacksFile& file_;
   FrameSource& source_;

@@ -3,9 +3,11 @@
 // `mtf info FILE`: format and metadata of a file, statistics of its pixels, and the command to run next.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -19,8 +21,8 @@
 #include "mtf/engines/statistics.h"
 #include "mtf/error.h"
 #include "mtf/io/channel_choice.h"
-#include "mtf/io/codecs/raster.h"
 #include "mtf/io/exr/spectral_exr.h"
+#include "mtf/io/float_rounding.h"
 #include "mtf/io/image_formats.h"
 #include "mtf/io/scene.h"
 #include "mtf/units.h"
@@ -40,13 +42,33 @@ struct ChannelFacts {
   std::optional<double> min, max, mean, std;  ///< of the finite pixels, nothing when there is none
 };
 
+/// Temperatures of the least, the mean and the largest count of a thermal camera.
+struct CountTemperatures {
+  StatedCamera stated;
+  std::vector<std::pair<double, radiometry::CountUncertainty>> rows{};
+
+  /// Calls visit(number, row, value, sd) for each number with a standard deviation.
+  void each_uncertain(const auto& visit) const {
+    std::size_t i = 0;
+    for_each_field(stated.told, [&](const radiometry::FieldInfo& info, double value) {
+      if (const double sd = stated.sd[i]; sd > 0.0) visit(i, info, value, sd);
+      ++i;
+    });
+  }
+  bool uncertain() const {
+    return std::ranges::any_of(stated.sd, [](double sd) { return sd > 0.0; });
+  }
+};
+
 struct ImageFacts {
   std::string path;
   mtf::io::FileInfo info;
   std::vector<ChannelFacts> channels;  ///< those that were asked for, in the file's order
   std::string values;                  ///< what a value means: stated in the file, or what is assumed
   std::vector<std::string> remarks;
-  std::string next;  ///< command to run next, "" when nothing in the file can be read
+  bool refused = false;                             ///< values of a channel are
+  std::optional<CountTemperatures> temperatures{};  ///< of a thermal camera's counts
+  std::string next;                                 ///< command to run next, "" when nothing in the file can be read
 };
 
 using mtf::io::ChannelInfo;
@@ -119,15 +141,29 @@ void add_notes(ImageFacts& facts, const mtf::io::ImageFile& image) {
     if (std::ranges::find(facts.remarks, note) == facts.remarks.end()) facts.remarks.push_back(note);
 }
 
+/// The image; nothing, with the reason among the remarks, where float32 would change its values too much.
+std::optional<mtf::io::ImageFile> read_or_say(ImageFacts& facts, const ReadOptions& read) {
+  try {
+    mtf::io::ImageFile image = mtf::io::read_image(facts.path, read);
+    add_notes(facts, image);
+    return image;
+  } catch (const mtf::io::RoundingError& error) {
+    facts.refused = true;
+    facts.remarks.emplace_back(error.what());
+    return std::nullopt;
+  }
+}
+
 void measure_raster(ImageFacts& facts, const InfoOptions& options) {
-  const mtf::io::ImageFile image = mtf::io::read_image(options.file, options.read);
-  add_notes(facts, image);
+  const auto found = read_or_say(facts, options.read);
+  if (!found) return;
+  const mtf::io::ImageFile& image = *found;
   for (std::size_t i = 0; i < image.names.size(); ++i)
     for (ChannelFacts& channel : facts.channels)
       if (channel.channel.name == image.names[i]) measure(channel, image.planes[i]);
 }
 
-void measure_in_turn(ImageFacts& facts, const InfoOptions& options) {
+void measure_in_turn(ImageFacts& facts) {
   const FileInfo& info = facts.info;
   const double pixels = static_cast<double>(info.width) * static_cast<double>(info.height);
   const auto count = static_cast<double>(info.channels.size());
@@ -143,10 +179,10 @@ void measure_in_turn(ImageFacts& facts, const InfoOptions& options) {
       continue;
     }
     const ReadOptions read{.channel = channel.channel.name, .layer = {}, .part = channel.channel.part};
-    const mtf::io::ImageFile image = mtf::io::read_image(options.file, read);
-    add_notes(facts, image);
-    missing = std::max(missing, image.missing_pixels);
-    measure(channel, image.planes.front());
+    const auto image = read_or_say(facts, read);
+    if (!image) continue;
+    missing = std::max(missing, image->missing_pixels);
+    measure(channel, image->planes.front());
   }
   if (unreadable > 0)
     facts.remarks.push_back(std::to_string(unreadable) +
@@ -170,9 +206,13 @@ std::optional<ReadOptions> choice_of(const std::string& path, const FileInfo& in
   const ReadOptions& asked = options.read;
   tries.push_back(asked);
   if (!asked.channel) {
-    for (const ChannelInfo& c : info.channels) tries.push_back({.channel = {}, .layer = c.layer, .part = asked.part});
-    for (const ChannelInfo& c : info.channels) tries.push_back({.channel = {}, .layer = {}, .part = c.part});
-    for (const ChannelInfo& c : info.channels) tries.push_back({.channel = {}, .layer = c.layer, .part = c.part});
+    std::set<std::pair<std::optional<std::string>, std::optional<int>>> known;  // each once: a cube has one layer
+    const auto add = [&](const std::optional<std::string>& layer, const std::optional<int>& part) {
+      if (known.emplace(layer, part).second) tries.push_back({.channel = {}, .layer = layer, .part = part});
+    };
+    for (const ChannelInfo& c : info.channels) add(c.layer, asked.part);
+    for (const ChannelInfo& c : info.channels) add({}, c.part);
+    for (const ChannelInfo& c : info.channels) add(c.layer, c.part);
     for (const ChannelInfo& c : info.channels) tries.push_back({.channel = c.name, .layer = {}, .part = c.part});
   }
   constexpr std::size_t most = 400;
@@ -204,29 +244,52 @@ bool shows_one_edge([[maybe_unused]] const std::string& path, [[maybe_unused]] c
 #endif
 }
 
-/// The temperatures of counts by the file's own numbers, and what those are worth: "" where it states none.
-std::string counts_remark(const ImageFacts& facts) {
-  const auto stated = stated_camera(facts.info.attributes);
-  for (const ChannelFacts& channel : facts.channels) {
-    if (!stated || channel.channel.name != "counts" || !channel.min) continue;
-    const auto& [camera, assumed, left_out, no_emissivity] = *stated;
-    try {
-      require_camera(facts.path, camera);
-    } catch (const mtf::UsageError& error) {
-      return std::string("no temperatures of the counts: ") + error.what();
-    }
-    std::string text = "temperatures of the counts";
-    for (const auto& [word, count] : {std::pair{" from ", *channel.min}, {" to ", *channel.max}}) {
-      const auto s = sensitivity_of(count, camera, assumed);
-      if (!std::isfinite(s.emissivity)) return text + ": some of them have none by " + thermometry_words(assumed);
-      text += word + significant(temperature_of(count, camera, assumed), 6) + " K (" +
-              significant(0.01 * s.emissivity, 2) + " K for 0.01 of emissivity, " + significant(s.reflected, 2) +
-              " K for 1 K of reflected, " + significant(0.01 * s.transmission, 2) +
-              " K for 0.01 of the air's transmission, " + significant(s.air, 2) + " K for 1 K of air)";
-    }
-    return text + ", by " + thermometry_words(assumed) + left_out + no_emissivity;
+/// By the file's own numbers, and what those are worth.
+std::string temperatures_remark(const CountTemperatures& all) {
+  const StatedCamera& stated = all.stated;
+  const radiometry::Thermometry assumed = stated.assumed();
+  std::string text = "temperatures of the counts";
+  for (const auto& [word, row] : {std::pair{" from ", &all.rows.front()}, {" to ", &all.rows.back()}}) {
+    const auto s = sensitivity_of(row->first, stated.camera, assumed);
+    if (!std::isfinite(s.emissivity)) return text + ": some of them have none by " + thermometry_words(assumed);
+    text += word + significant(row->second.temperature_k, 6) + " K (" + significant(0.01 * s.emissivity, 2) +
+            " K for 0.01 of emissivity, " + significant(s.reflected, 2) + " K for 1 K of reflected, " +
+            significant(0.01 * s.transmission, 2) + " K for 0.01 of the air's transmission, " + significant(s.air, 2) +
+            " K for 1 K of air)";
   }
-  return "";
+  return text + ", by " + thermometry_words(assumed) + stated.left_out + stated.no_emissivity;
+}
+
+/// Where counts of a thermal camera were read.
+void add_temperatures(ImageFacts& facts, const std::vector<std::string>& assumed) {
+  const auto counts = std::ranges::find_if(
+      facts.channels, [](const ChannelFacts& c) { return c.channel.name == "counts" && c.min.has_value(); });
+  auto stated = stated_camera(facts.info.attributes);
+  if (counts == facts.channels.end() || !stated) {
+    if (assumed.empty()) return;
+    throw mtf::UsageError(facts.path +
+                          ": --assume has no effect: no channel counts with the constants of a thermal camera was "
+                          "read; leave it out, or choose the counts of a radiometric JPEG by --channel counts");
+  }
+  assume(*stated, assumed);
+  try {
+    require_camera(facts.path, stated->camera);
+  } catch (const mtf::UsageError& error) {
+    facts.remarks.push_back(std::string("no temperatures of the counts: ") + error.what());
+    return;
+  }
+  const radiometry::CountErrors errors(stated->camera, stated->told, stated->air, stated->sd);
+  CountTemperatures& all = facts.temperatures.emplace(CountTemperatures{.stated = std::move(*stated)});
+  for (const double count : {*counts->min, *counts->mean, *counts->max}) all.rows.emplace_back(count, errors.of(count));
+  facts.remarks.push_back(temperatures_remark(all));
+  if (!all.uncertain())
+    facts.remarks.emplace_back(
+        "no interval of these temperatures: no standard deviation of emissivity, surroundings, air or window is "
+        "stated; state what is known as --assume \"emissivity=+- 0.02\" --assume \"surroundings=+- 2 K\"");
+  else if (!std::ranges::all_of(all.rows, [](const auto& row) { return row.second.first_order; }))
+    facts.remarks.emplace_back(
+        "the temperatures are no straight lines of what is assumed over its standard deviations: where there is no sd "
+        "the first order does not hold, and the interval does; an end of it that is none has no temperature");
 }
 
 /// Reads the header and, one plane at a time, the pixels. Statistics are left out, with a remark, where they would take
@@ -234,11 +297,7 @@ std::string counts_remark(const ImageFacts& facts) {
 ImageFacts image_facts(const InfoOptions& options) {
   ImageFacts facts;
   facts.path = options.file;
-  facts.info = mtf::io::read_info(options.file);
-  if (facts.info.format == mtf::io::Format::tiff && options.read.part)  // another page
-    facts.info = mtf::io::read_raster_info(options.file, mtf::io::Format::tiff, *options.read.part);
-  if (const auto open = mtf::io::row_of(facts.info.format).raw; open != nullptr && options.read.part)
-    facts.info = mtf::io::read_raw_info(options.file, open, *options.read.part);
+  facts.info = mtf::io::read_info_of(options.file, options.read.part);
   facts.values = meaning(facts.info);
   facts.remarks = facts.info.notes;
   for (std::string remark : {encoding_remark(facts.info), mtf::io::aspect_note(facts.info)})
@@ -253,10 +312,11 @@ ImageFacts image_facts(const InfoOptions& options) {
   if (facts.channels.empty() && (wanted || layer || part))
     static_cast<void>(mtf::io::read_image(options.file, options.read));
   if (mtf::io::row_of(facts.info.format).in_pieces())
-    measure_in_turn(facts, options);
+    measure_in_turn(facts);
   else
     measure_raster(facts, options);
-  if (std::string remark = counts_remark(facts); !remark.empty()) facts.remarks.push_back(std::move(remark));
+  add_temperatures(facts, options.assume);
+  if (facts.refused) return facts;  // there is nothing to run with it
   if (const std::optional<ReadOptions> read = choice_of(options.file, facts.info, options)) {
     const std::string file = shell_word(options.file) + words_of(*read);
     const bool taken = std::filesystem::path(options.file).filename() == "out.exr";
@@ -301,6 +361,53 @@ TextTable channel_table(const ImageFacts& facts, bool exactly) {
   return table;
 }
 
+std::string temperature_table(const CountTemperatures& all) {
+  std::vector<std::string> header{"count", "T (K)", "sd (K)", "2.5 % (K)", "97.5 % (K)"};
+  all.each_uncertain([&](std::size_t, const auto& info, double value, double sd) {
+    header.push_back(
+        mtf::with_unit(std::string(info.name) + " " + significant(value, 6) + " +- " + significant(sd, 3), info.unit));
+  });
+  TextTable table(header);
+  const auto cell = [](bool known, double value, int digits, const char* unit = "") {
+    return known && std::isfinite(value) ? significant(value, digits) + unit : std::string("-");
+  };
+  for (const auto& [count, found] : all.rows) {
+    std::vector<std::string> row{significant(count, 6), cell(true, found.temperature_k, 6),
+                                 cell(found.first_order, found.sd_k, 2), cell(true, found.low_k, 6),
+                                 cell(true, found.high_k, 6)};
+    all.each_uncertain([&](std::size_t i, const auto&, double, double) {
+      row.push_back(cell(found.first_order, 100.0 * found.share(i), 2, " %"));
+    });
+    table.add(std::move(row));
+  }
+  return table.aligned(std::vector<Align>(header.size(), Align::right));
+}
+
+/// Null in place of sd, shares and interval where they are not known.
+Json temperatures_json(const CountTemperatures& all) {
+  Json list = Json::array();
+  const auto number = [](bool known, double value) { return known && std::isfinite(value) ? Json(value) : Json(); };
+  for (const auto& [count, found] : all.rows) {
+    const bool uncertain = all.uncertain(), linear = uncertain && found.first_order;
+    Json sources = Json::array();
+    all.each_uncertain([&](std::size_t i, const auto& info, double value, double sd) {
+      sources.push_back({{"name", info.name},
+                         {"value", value},
+                         {"sd", sd},
+                         {"unit", info.unit},
+                         {"change_K", number(linear, found.change_k[i])},
+                         {"share", number(linear, found.share(i))}});
+    });
+    list.push_back({{"count", count},
+                    {"temperature_K", number(true, found.temperature_k)},
+                    {"sd_K", number(linear, found.sd_k)},
+                    {"interval95_K", uncertain ? Json{number(true, found.low_k), number(true, found.high_k)} : Json()},
+                    {"first_order_holds", uncertain ? Json(found.first_order) : Json()},
+                    {"sources", std::move(sources)}});
+  }
+  return list;
+}
+
 std::string as_text(const ImageFacts& facts) {
   constexpr std::size_t most_attributes = 40, longest = 100;
   const mtf::io::FileInfo& info = facts.info;
@@ -316,6 +423,9 @@ std::string as_text(const ImageFacts& facts) {
   for (const std::string& remark : facts.remarks) text += line("note", one_line(remark));
   using enum Align;
   text += "\n" + channel_table(facts, false).aligned({left, left, left, right, right, right, right, right, right});
+  if (facts.temperatures && facts.temperatures->uncertain())
+    text += "\ntemperatures of the least, the mean and the largest count, and the shares of what is uncertain\n" +
+            temperature_table(*facts.temperatures);
   std::size_t count = 0;
   if (!info.attributes.empty()) text += "\nattributes\n";
   for (const auto& [name, value] : info.attributes) {
@@ -354,6 +464,7 @@ std::string as_json(const ImageFacts& facts) {
     channel["not_finite"] = facts_of.statistics ? Json(facts_of.statistics->not_finite) : Json();
     channels.push_back(std::move(channel));
   }
+  if (facts.temperatures) json["temperatures"] = temperatures_json(*facts.temperatures);
   json["attributes"] = info.attributes;
   json["next"] = facts.next;
   return json_document(json);

@@ -9,11 +9,13 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <numbers>
 
 #include "apps/import/config_import.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/output_set.h"
+#include "mtf/components/psf.h"
 #include "mtf/error.h"
 #include "mtf/io/config/config_edit.h"
 #include "mtf/io/csv/csv_cells.h"
@@ -78,12 +80,13 @@ std::string commented(std::string_view text) {
   return lines;
 }
 
-/// The block as part of a sensor. Throws UsageError where the sensor would be refused.
-void check_block(const std::string& text, double wavelength_um, DesignRemarks& remarks) {
+/// The block as part of a sensor, which is returned. Throws UsageError where the sensor would be refused.
+mtf::io::SensorConfig check_block(const std::string& text, double wavelength_um, DesignRemarks& remarks) {
   const std::string sensor =
       "schema = 2\n[frame]\nfocal_length = \"100 mm\"\npitch = \"10 um\"\n[optics]\nf_number = 4.0\nwavelength = " +
       toml_string(mtf::format_double(wavelength_um) + " um") + "\n";
-  for (const auto& found : mtf::io::parse_config(sensor + text, "the imported block").diagnostics) {
+  mtf::io::ConfigResult result = mtf::io::parse_config(sensor + text, "the imported block");
+  for (const auto& found : result.diagnostics) {
     const std::string what = found.path + ": " + found.text;
     if (found.error)
       throw mtf::UsageError("a sensor file would refuse what was imported: " + what +
@@ -91,6 +94,7 @@ void check_block(const std::string& text, double wavelength_um, DesignRemarks& r
                                 remarks.warnings, [](const std::string& line) { return "; " + line; }, ""));
     if (found.path.starts_with("presample[")) remarks.warnings.push_back(what);
   }
+  return std::move(result.config);
 }
 
 /// Turns wavefronts of fields along one axis so that their x points away from the optical axis, and places to (r, 0).
@@ -230,6 +234,37 @@ void require_effect(const std::string& what, std::initializer_list<std::pair<con
     if (is_given) throw mtf::UsageError(std::string(name) + " has no effect on " + what + "; leave it out");
 }
 
+/// Rows of samples, in the digits of a float.
+std::vector<std::vector<double>> rows_of(const mtf::Image& samples) {
+  std::vector<std::vector<double>> rows(static_cast<std::size_t>(samples.height()));
+  for (std::int64_t i = 0; i < samples.size(); ++i)
+    rows[static_cast<std::size_t>(i / samples.width())].push_back(
+        *mtf::io::cell_number(mtf::io::number_text(samples.data()[i])));
+  return rows;
+}
+
+/// What a sensor would say of the point spread of each place. Throws UsageError for one that it would refuse; of
+/// warnings of one kind the first is added, and how many places have it.
+void check_places(const std::vector<mtf::io::PsfPlane>& planes, const std::string& step, DesignRemarks& remarks) {
+  DesignRemarks of_one_sample;
+  const mtf::System<double> system = check_block(block("psf", {step, "samples = [[1.0]]"}), 1.0, of_one_sample).system;
+  mtf::Psf<double> psf =
+      *system.list(mtf::Stage::presample).front().component.get_if<mtf::Psf<double>>();  // with the step as it is read
+  std::map<std::string, std::pair<std::string, std::int64_t>> warnings;
+  for (const mtf::io::PsfPlane& plane : planes) {
+    psf.samples = rows_of(plane.samples);
+    for (const mtf::Problem& problem : psf.check(system.context())) {
+      const std::string text =
+          "the point spread of " + plane.place->text() + ": " + problem.field + ": " + problem.text;
+      if (problem.error) throw mtf::UsageError("a sensor file would refuse what was imported: " + text);
+      ++warnings.try_emplace(problem.field, text, 0).first->second.second;
+    }
+  }
+  for (const auto& [field, warning] : warnings)
+    remarks.warnings.push_back(warning.first + "; so it is with " + plural(warning.second, "place") + " of " +
+                               std::to_string(planes.size()));
+}
+
 /// One point spread is a block; those of several places are images beside the table that names them.
 void import_fits(const ImportOptions& options, const Global& global) {
   const std::string& file = options.files.front();
@@ -241,18 +276,16 @@ void import_fits(const ImportOptions& options, const Global& global) {
   mtf::io::PsfFits psf = read_psf_fits(file, options.fits);
   const std::string step = "step = " + toml_string(psf.step);
   const bool one = options.field > 0 || !psf.planes.front().place;
-  const mtf::io::PsfPlane& plane = one ? one_field(psf.planes, options.field) : psf.planes.front();
-  if (one) psf.remarks.notes.push_back(plane.place ? plane.place->text() : plane.label);
-  std::vector<std::vector<double>> samples(static_cast<std::size_t>(plane.samples.height()));
-  for (std::int64_t i = 0; i < plane.samples.size(); ++i)  // in the digits of a float
-    samples[static_cast<std::size_t>(i / plane.samples.width())].push_back(
-        *mtf::io::cell_number(mtf::io::number_text(plane.samples.data()[i])));
-  const Imported block_of_one = psf_block(samples, {step}, psf.remarks);
-  const std::string head = heading(block_of_one.remarks, global);
-  if (one) return write_result(options, head + block_of_one.text, global);
+  if (one) {
+    const mtf::io::PsfPlane& plane = one_field(psf.planes, options.field);
+    psf.remarks.notes.push_back(plane.place ? plane.place->text() : plane.label);
+    const Imported made = psf_block(rows_of(plane.samples), {step}, psf.remarks);
+    return write_result(options, heading(made.remarks, global) + made.text, global);
+  }
   if (!options.out.ends_with(".csv"))
     throw mtf::UsageError(plural(std::ssize(psf.planes), "place") +
                           " make a table with images beside it: -o psfs.csv; or choose one by --field 1");
+  check_places(psf.planes, step, psf.remarks);
   std::vector<std::string> files{options.out};
   const auto base = [](const std::string& path) { return path.substr(path.rfind('/') + 1); };
   std::string rows =
@@ -271,7 +304,7 @@ void import_fits(const ImportOptions& options, const Global& global) {
   OutputSet output({.files = files, .inputs = options.files});
   for (std::size_t i = 1; i < files.size(); ++i)
     mtf::io::write_exr(output.at(files[i]), {{"Y", psf.planes[i - 1].samples.view()}}, {});
-  output.commit(options.out, head + rows);
+  output.commit(options.out, heading(psf.remarks, global) + rows);
   note(global, "wrote " + one_line(options.out) + " and " + plural(std::ssize(psf.planes), "image"));
 }
 

@@ -11,8 +11,10 @@
 #include "apps/python/topics.h"
 #include "apps/simulate/scene_source.h"
 #include "apps/simulate/sensor_image.h"
+#include "apps/simulate/stated_camera.h"
 #include "apps/text/message_words.h"
 #include "mtf/error.h"
+#include "mtf/parallel.h"
 #include "mtf/words.h"
 
 namespace apps::python {
@@ -117,6 +119,43 @@ void write(const FileName& path, const std::vector<std::pair<std::string, py::ob
   });
 }
 
+/// Names of the numbers with a standard deviation; rows of temperatures, 1 where the first order holds, sd, both ends
+/// of 95 % and the share of each of these numbers, columns of counts.
+py::tuple count_temperatures(const std::map<std::string, std::string>& attributes,
+                             const std::vector<std::string>& assumed,
+                             const py::array_t<double, py::array::c_style | py::array::forcecast>& counts) {
+  auto stated = stated_camera(attributes);
+  if (!stated)
+    throw mtf::UsageError(
+        "the file does not say what its counts are worth (camera_counts.R1, B, F, O, R2); read the counts of a "
+        "radiometric JPEG by channel=\"counts\"");
+  assume(*stated, assumed);
+  require_camera("the file", stated->camera);
+  std::vector<std::string> names;
+  std::vector<std::size_t> uncertain;
+  std::size_t number = 0;
+  for_each_field(stated->told, [&](const radiometry::FieldInfo& info, double) {
+    if (stated->sd[number++] == 0.0) return;
+    names.emplace_back(info.name);
+    uncertain.push_back(number - 1);
+  });
+  const auto rows = static_cast<py::ssize_t>(5 + uncertain.size());
+  py::array_t<double> made({rows, counts.size()});
+  const double* from = counts.data();
+  auto to = made.mutable_unchecked<2>();
+  run_job([&](JobControl&) {
+    const radiometry::CountErrors errors(stated->camera, stated->told, stated->air, stated->sd);
+    mtf::parallel_for_each(counts.size(), 16, 0, [&](std::int64_t i) {
+      const radiometry::CountUncertainty found = errors.of(from[i]);
+      to(0, i) = found.temperature_k, to(1, i) = found.first_order ? 1.0 : 0.0, to(2, i) = found.sd_k;
+      to(3, i) = found.low_k, to(4, i) = found.high_k;
+      for (std::size_t k = 0; k < uncertain.size(); ++k)
+        to(static_cast<py::ssize_t>(5 + k), i) = found.share(uncertain[k]);
+    });
+  });
+  return py::make_tuple(names, made);
+}
+
 }  // namespace
 
 mtf::io::Scene scene_of(const mtf::io::SensorConfig& sensor, const ImageHandle& image) {
@@ -145,6 +184,7 @@ void add_images(py::module_& module) {
   module.def(
       "plane", [](const py::object& array, const std::string& name) { return plane_of(array, name).array; }, "array"_a,
       "name"_a);
+  module.def("count_temperatures", &count_temperatures, "attributes"_a, "assumed"_a, "counts"_a);
   module.def("read", &read, "path"_a, "channel"_a, "layer"_a, "part"_a);
   module.def("write", &write, "path"_a, "planes"_a, "text"_a, "pairs"_a, "lists"_a, "history"_a, "range"_a, "bits"_a);
 }

@@ -181,17 +181,17 @@ class Converter {
     std::string left_out;
     const auto stated = stated_camera(scene.info.attributes);
     if (stated) {
-      assumed_ = stated->assumed;
+      assumed_ = stated->assumed();
       left_out = stated->left_out;
       if (!counts_) counts_ = stated->camera;
       const mtf::SettingsTable* table = find_table(config.tables, "scene");
       const bool own_emissivity = table != nullptr && table->find("emissivity") != nullptr;
-      if (!scene_.surroundings_k && (!own_emissivity || stated->assumed.reflected_k > 0.0))
-        scene_.surroundings_k = stated->assumed.reflected_k;
+      if (!scene_.surroundings_k && (!own_emissivity || stated->told.surroundings_k > 0.0))
+        scene_.surroundings_k = stated->told.surroundings_k;
       if (!own_emissivity) {
         left_out += stated->no_emissivity;
-        scene_.emissivity.number = stated->assumed.emissivity;
-        emissivity_ = radiometry::constant_spectrum("the file's", stated->assumed.emissivity);
+        scene_.emissivity.number = stated->told.emissivity;
+        emissivity_ = radiometry::constant_spectrum("the file's", stated->told.emissivity);
       }
     }
     assumed_.emissivity = scene_.emissivity.number;

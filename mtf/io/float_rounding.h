@@ -16,6 +16,12 @@
 
 namespace mtf::io {
 
+/// Values that are refused, of a file that is sound otherwise.
+class RoundingError : public RuntimeError {
+ public:
+  using RuntimeError::RuntimeError;
+};
+
 class Rounding {
  public:
   void add(double exact, float rounded) {
@@ -31,7 +37,7 @@ class Rounding {
     errors_ += error * error;
   }
 
-  /// Adds to `notes` what a user has to know. Throws RuntimeError above a hundredth.
+  /// Adds to `notes` what a user has to know. Throws RoundingError above a hundredth. `channel`: "" of a file without.
   void note(const std::string& path, const std::string& channel, std::vector<std::string>& notes) const {
     const auto count = static_cast<double>(std::max<std::int64_t>(count_, 1));
     const double mean = first_ + sum_ / count, rms = std::sqrt(errors_ / count);
@@ -40,15 +46,14 @@ class Rounding {
     constexpr double noted = 1e-5;  // a tenth of the tolerance that is usual in a run
     constexpr double most = 0.01;
     const double share = std > flat * std::abs(mean) ? rms / std : 0.0;
-    const std::string words = "channel " + channel + ": float32 changes its values by " +
-                              significant(100.0 * share, 2) + " % (rms) of their standard deviation " +
-                              significant(std, 3) + ", for their mean is " + significant(mean, 6) +
-                              "; subtract a constant of about that from the numbers of the file";
-    if (share > most) throw RuntimeError("cannot read " + path + ", " + words);
+    const std::string what = channel.empty() ? one_line(path) : "channel " + channel;
+    const std::string words = what + ": float32 changes its values by " + significant(100.0 * share, 2) +
+                              " % (rms) of their standard deviation " + significant(std, 3) + ", for their mean is " +
+                              significant(mean, 6) + "; subtract a constant of about that from the numbers of the file";
+    if (share > most) throw RoundingError("cannot read " + (channel.empty() ? "" : path + ", ") + words);
     if (share > noted) notes.push_back(words);
     if (beyond_ > 0)
-      notes.push_back("channel " + channel + ": " + plural(beyond_, "value") +
-                      " beyond the 3.4e38 of float32 read as infinity");
+      notes.push_back(what + ": " + plural(beyond_, "value") + " beyond the 3.4e38 of float32 read as infinity");
   }
 
  private:

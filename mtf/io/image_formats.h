@@ -31,4 +31,7 @@ struct ImageFormat {
 std::span<const ImageFormat> image_formats();
 const ImageFormat& row_of(Format format);
 
+/// read_info() of one part or page, the first where none is asked for.
+FileInfo read_info_of(const std::string& path, std::optional<int> part);
+
 }  // namespace mtf::io

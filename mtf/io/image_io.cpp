@@ -243,6 +243,12 @@ FileInfo read_info(const std::string& path) {
   return row.raw != nullptr ? read_raw_info(path, row.raw) : read_raster_info(path, row.format);
 }
 
+FileInfo read_info_of(const std::string& path, std::optional<int> part) {
+  const ImageFormat& row = row_of(detect_format(path));
+  if (part && row.format == Format::tiff) return read_raster_info(path, row.format, *part);
+  return part && row.raw != nullptr ? read_raw_info(path, row.raw, part) : row.info(path);
+}
+
 ImageFile read_image(const std::string& path, const ReadOptions& options) {
   const ImageFormat& row = row_of(detect_format(path));
   if (row.format == Format::exr) return read_exr(path, options);

@@ -92,14 +92,14 @@ NpyReader::NpyReader(const std::string& path, std::string type, std::uint64_t be
   shape_ = {planes, rows, columns};
 }
 
-void NpyReader::read(std::uint64_t first, std::span<float> values) {
+void NpyReader::read(std::uint64_t first, std::span<float> values, Rounding* rounding) {
   file_.seekg(static_cast<std::streamoff>(begin_ + first * item_));
   std::array<char, 65536> bytes;  // stay in cache
   while (!values.empty()) {
     const std::size_t count = std::min(values.size(), bytes.size() / item_);
     if (!file_.read(bytes.data(), static_cast<std::streamsize>(count * item_)))
       throw RuntimeError(one_line(path_) + ": it cannot be read");
-    to_floats(*number_type(type_), bytes.data(), static_cast<std::int64_t>(item_), {}, values.first(count));
+    to_floats(*number_type(type_), bytes.data(), static_cast<std::int64_t>(item_), {}, values.first(count), rounding);
     values = values.subspan(count);
   }
 }

@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "mtf/io/float_rounding.h"
+
 namespace mtf::io {
 
 class NpyReader {
@@ -24,8 +26,10 @@ class NpyReader {
   const std::vector<std::uint64_t>& shape() const { return shape_; }
   const std::string& type() const { return type_; }  ///< as numpy has it: "<f4", "|u1", ">u2"
   bool is_float() const { return type_[1] == 'f'; }
-  /// Values from the `first` one on, as many as `values` holds, rounded to float. Throws RuntimeError.
-  void read(std::uint64_t first, std::span<float> values);
+  /// Values from the `first` one on, as many as `values` holds, rounded to float. `rounding` counts what that takes,
+  /// for values whose contrast counts, as in frames of a camera; point spreads, displacements and temperatures in K
+  /// keep seven digits of each. Throws RuntimeError.
+  void read(std::uint64_t first, std::span<float> values, Rounding* rounding = nullptr);
 
  private:
   std::string path_, type_;

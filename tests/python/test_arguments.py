@@ -51,7 +51,7 @@ def calls(folder, demo):
         (camera.budget, {}), (sensor.simulate, dict(scene=scene, **how)), (camera.simulate, dict(scene=demo / "thermal.exr", stage="dn")),
         (mk.fit, dict(sensor=sensor, edges=[edge], free=["jitter.rms"])), (run.map_points, dict(points=[[0, 0]])),
         (run.save, dict(path=folder / "a.exr")), (run.plane, dict(name="Y")), (run.plot, {}), (sensor.curves().plot, {}), (mk.read, dict(path=edge)),
-        (mk.write, dict(path=folder / "b.exr", planes=scene)), (mk.read(edge).plane, dict(name="Y")), (mk.measure, dict(image=edge)),
+        (mk.write, dict(path=folder / "b.exr", planes=scene)), (mk.read(edge).plane, dict(name="Y")), (mk.read(edge).temperatures, {}), (mk.measure, dict(image=edge)),
         (mk.characterize, dict(stacks=flat, bits=12)),
         (mk.metrics, dict(sensor=sensor, names=["q"])), (mk.Study, dict(sensor=sensor, axes={"jitter.rms": ["10 urad"]}, metrics=["q"])),
         (mk.Study.load, dict(file=folder / "study.toml")), (study.save, dict(file=folder / "c.toml")), (study.rows, {}), (study.run, {}),

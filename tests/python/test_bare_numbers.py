@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import mtfkit as mk
-from conftest import run_command
+from conftest import COMMAND, run_command, run_json
 
 TYPES = {1: "u1", 2: "i2", 3: "i4", 4: "f4", 5: "f8", 12: "u2", 13: "u4", 14: "i8", 15: "u8"}
 ROWS, COLUMNS, BANDS = 5, 7, 3
@@ -244,3 +244,101 @@ def test_wavelengths_and_the_ground_are_kept(tmp_path):
         corner = 500000 - 0.5 * 30, 5400000 + 2 * 30  # of the first pixel: its outer corner is at 1, 1
         assert info["geoTransform"] == [corner[0] + 60 * first[0], 60, 0, corner[1] - 60 * first[1], 0, -60]
         assert "UTM zone 32N" in info["coordinateSystem"]["wkt"]
+
+
+def test_frames_of_doubles_say_what_float32_takes(tmp_path):
+    """Between 2^21 and 2^22 floats are 1/4 apart: numpy's own rounding says by how much values change."""
+    random = np.random.default_rng(3)
+
+    def characterized(contrast):
+        text, shares = "[camera]\nbits = 22\n", []
+        for level, light in enumerate(["light = false", "relative = 1", "relative = 2", "relative = 3"]):
+            frames = 3e6 + contrast * (20.0 * level + np.sqrt(20.0 * level + 1.0) * random.standard_normal((4, 24, 32)))
+            np.save(tmp_path / f"{level}.npy", frames)
+            text += f'[[stack]]\nframes = "{level}.npy"\n{light}\n'
+            changed = frames - frames.astype("f4").astype("f8")
+            shares.append(np.sqrt(np.mean(changed[0] ** 2)) / np.std(frames[0]))
+        (tmp_path / "stacks.toml").write_text(text)
+        done = subprocess.run([COMMAND, "characterize", tmp_path / "stacks.toml", "--allow-misfit"], capture_output=True, text=True, check=False)
+        return done, shares
+
+    done, shares = characterized(20.0)
+    assert 1e-5 < shares[0] < 0.01
+    assert f"0.npy frame 1: float32 changes its values by {100 * shares[0]:.2g} % (rms)" in done.stdout + done.stderr
+    done, shares = characterized(1.0)
+    assert shares[0] > 0.01
+    assert done.returncode == 1 and "cannot read" in done.stderr and f"{100 * shares[0]:.2g} % (rms)" in done.stderr
+
+
+@pytest.mark.parametrize("ending", ["hdr", "tif"])
+def test_info_shows_the_header_of_values_that_are_refused(tmp_path, ending):
+    """Of double precision about 1e9, where floats are 64 apart."""
+    numbers = 1e9 + np.random.default_rng(2).standard_normal((4, 6))
+    path = tmp_path / f"a.{ending}"
+    (tmp_path / "a.hdr").write_text("ENVI\nsamples = 6\nlines = 4\nbands = 1\ndata type = 5\nbyte order = 0\ninterleave = bsq\n")
+    (tmp_path / "a.dat").write_bytes(numbers.tobytes())
+    if ending == "tif":
+        if shutil.which("gdal_translate") is None:
+            pytest.skip("gdal_translate is not there (package gdal-bin)")
+        subprocess.run(["gdal_translate", "-q", "-of", "GTiff", tmp_path / "a.dat", path], check=True)
+    with pytest.raises(mk.DataError, match="subtract a constant"):
+        mk.read(path)
+    facts = run_json("info", path)
+    assert (facts["width"], facts["height"]) == (6, 4) and facts["channels"][0]["type"] == "double"
+    assert facts["channels"][0]["mean"] is None and facts["next"] == ""
+    assert any("float32 changes its values by" in note and "subtract a constant" in note for note in facts["notes"])
+    assert "6 x 4 px" in run_command("info", path)
+
+
+def test_each_point_spread_of_a_table_is_checked(tmp_path):
+    """Also those beyond the first; the sensor that reads the table would refuse the same."""
+    places = ((0, 0), (0, 399), (299, 0), (299, 399))
+
+    def imported(third):
+        planes = np.array([bell(17, 8.0), bell(17, 8.0), third, bell(17, 8.0)], ">f8")
+        cards = [*sizes(-64, 17, 17, 4), ("OVERSAMP", 4), *((f"DET_YX{k}", f"'({y}.0, {x}.0)'") for k, (y, x) in enumerate(places))]
+        (tmp_path / "grid.fits").write_bytes(unit(cards, planes.tobytes()))
+        words = [COMMAND, "config", "import", tmp_path / "grid.fits", "--detector", "400,300", "--force", "-o", tmp_path / "g.csv"]
+        return subprocess.run(words, capture_output=True, text=True, check=False)
+
+    done = imported(bell(17, 8.0))
+    assert done.returncode == 0 and "end before" not in (tmp_path / "g.csv").read_text()
+    done = imported(np.ones((17, 17)))  # a point spread that goes on beyond its samples
+    assert done.returncode == 2 and "(0.5, 0.5) px: samples: they end before" in done.stderr
+    done = imported(bell(17, 8.0) + 2e-4 * np.max(bell(17, 8.0)))
+    assert done.returncode == 0 and "so it is with 1 place of 4" in (tmp_path / "g.csv").read_text()
+
+
+def test_of_many_images_one_is_opened(tmp_path):
+    """Each that is open has the headers of all, so that more than 64 are listed by their number alone."""
+    if shutil.which("gdal_translate") is None:
+        pytest.skip("gdal_translate is not there (package gdal-bin)")
+    numbers = np.arange(70 * 4 * 6, dtype="<u2").reshape(70, 4, 6)
+    (tmp_path / "a.hdr").write_text("ENVI\nsamples = 6\nlines = 4\nbands = 70\ndata type = 12\nbyte order = 0\ninterleave = bsq\n")
+    (tmp_path / "a.dat").write_bytes(numbers.tobytes())
+
+    def written(bands, name):
+        options = [word for band in range(1, bands + 1) for word in ("-b", str(band))]
+        subprocess.run(["gdal_translate", "-q", "-of", "netCDF", "-co", "FORMAT=NC4", *options, tmp_path / "a.dat", tmp_path / "a.nc"], check=True)
+        (tmp_path / "a.nc").rename(tmp_path / name)
+        return tmp_path / name
+
+    def part_of(bands, part):
+        """The images of HDF5 come by their names, Band1, Band10, ...; netCDF begins with the bottom row."""
+        return numbers[sorted(range(1, bands + 1), key=str)[part] - 1, ::-1]
+
+    try:
+        few = mk.read(written(64, "few.h5"), part=63)
+    except mk.DataError as error:
+        pytest.skip(str(error))  # built without the module of GDAL
+    assert np.array_equal(few.plane(), part_of(64, 63))
+    with pytest.raises(mk.UsageError, match="several parts"):
+        mk.read(tmp_path / "few.h5")
+    many = written(70, "many.h5")
+    for part in (0, 69):
+        assert np.array_equal(mk.read(many, part=part).plane(), part_of(70, part))
+    with pytest.raises(mk.UsageError, match=r"70 images, at most 64 .* N from 0 \(.*\) to 69"):
+        mk.read(many)
+    with pytest.raises(mk.UsageError, match="part 70 is none of its 70 images"):
+        mk.read(many, part=70)
+    assert [channel["part"] for channel in run_json("info", many, "--part", "69")["channels"]] == [69]

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "mtf/io/image_io.h"
-#include "radiometry/light/raw_counts.h"
+#include "radiometry/performance/count_uncertainty.h"
 #include "tests/expect_error.h"
 #include "tests/mtf/reference_table.h"
 #include "tests/radiometry/frames.h"
@@ -120,6 +120,41 @@ TEST(RawCounts, transmission_of_the_air) {
   EXPECT_NEAR(transmission_of({.distance_m = 100.0}), 0.937454651437, 1e-9);
   EXPECT_TRUE(std::isnan(transmission_of({.distance_m = -1.0})));
   EXPECT_TRUE(std::isnan(transmission_of({.distance_m = 100.0, .x = 1e6})));
+}
+
+// Against numpy's Monte Carlo and differences of the published formula: tests/python/test_count_temperatures.py.
+TEST(CountErrors, what_is_exact_leaves_no_interval) {
+  const CountScene told{.emissivity = 0.9, .surroundings_k = 285.0, .distance_m = 20.0};
+  const double count = count_of(310.0, thermometry_of(told, CountAir{}));
+  const CountUncertainty exact = CountErrors(kCamera, told, CountAir{}, {}).of(count);
+  EXPECT_NEAR(exact.temperature_k, 310.0, 1e-9);
+  EXPECT_EQ(exact.sd_k, 0.0);
+  EXPECT_NEAR(exact.low_k, 310.0, 1e-9);
+  EXPECT_NEAR(exact.high_k, 310.0, 1e-9);
+  EXPECT_TRUE(exact.first_order);
+  // One number alone: the interval is that of the formula at its quantiles, for the temperature falls with it.
+  const CountUncertainty one = CountErrors(kCamera, told, CountAir{}, {0.02}).of(count);
+  CountScene bright = told, dim = told;
+  bright.emissivity += 1.96 * 0.02;
+  dim.emissivity -= 1.96 * 0.02;
+  EXPECT_TRUE(one.first_order);
+  EXPECT_NEAR(one.low_k, temperature_of(count, kCamera, thermometry_of(bright, CountAir{})), 0.01 * one.sd_k);
+  EXPECT_NEAR(one.high_k, temperature_of(count, kCamera, thermometry_of(dim, CountAir{})), 0.01 * one.sd_k);
+  EXPECT_EQ(one.share(0), 1.0);
+}
+
+TEST(CountErrors, what_has_no_slope_or_no_temperature_is_no_number_of_first_order) {
+  const CountScene near{.emissivity = 0.9, .distance_m = 0.0};
+  const double count = count_of(310.0, thermometry_of(near, CountAir{}));
+  const CountUncertainty found = CountErrors(kCamera, near, CountAir{}, {0.0, 0.0, 1.0}).of(count);
+  EXPECT_FALSE(found.first_order);
+  EXPECT_GE(found.low_k, 310.0);  // distances go from 0 on, and what lies further away is warmer than it seems
+  EXPECT_LT(found.low_k, 310.1);
+  EXPECT_GT(found.high_k, 310.1);
+  const CountUncertainty none = CountErrors(kCamera, near, CountAir{}, {0.02}).of(0.0);
+  EXPECT_TRUE(std::isnan(none.temperature_k) && std::isnan(none.low_k));
+  EXPECT_FALSE(none.first_order);
+  expect_refused({"less than 5 %"}, [&] { CountErrors(kCamera, near, CountAir{}, {50.0}); });
 }
 
 TEST(RawCounts, counts_without_a_temperature) {

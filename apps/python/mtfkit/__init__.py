@@ -28,7 +28,7 @@ from mtfkit.edges import Edge, Edges, Estimate, measure
 from mtfkit.errors import DataError, Error, ToleranceError, UsageError
 from mtfkit.figures_of_merit import metrics
 from mtfkit.fits import CurveData, Fit, Parameter, fit
-from mtfkit.images import Image, read, write
+from mtfkit.images import CountTemperatures, Image, read, write
 from mtfkit.findings import Finding, Findings
 from mtfkit.scenes import Heat, Picture, heat, render
 from mtfkit.sensors import Sensor
@@ -39,8 +39,8 @@ from mtfkit.study_results import Gradient, Optimum, StudyColumn
 if TYPE_CHECKING:  # a class for each kind of component, made when one is asked for
     from mtfkit.components import *
 
-__all__ = ["Budget", "Camera", "CameraNumber", "Column", "Component", "CurveData", "Curves", "Custom", "DataError", "Edge", "Edges", "Error",
-           "Estimate", "Figure", "Figures", "Finding", "Findings", "Fit", "General", "Gradient", "Heat", "Image", "Optimum",
+__all__ = ["Budget", "Camera", "CameraNumber", "Column", "Component", "CountTemperatures", "CurveData", "Curves", "Custom", "DataError", "Edge", "Edges",
+           "Error", "Estimate", "Figure", "Figures", "Finding", "Findings", "Fit", "General", "Gradient", "Heat", "Image", "Optimum",
            "Parameter", "Picture", "Plan", "Run", "Sampled", "Sensor", "Stack", "Study", "StudyColumn", "ToleranceError", "UsageError",
            "__version__", "air", "characterize", "components", "custom", "devices", "fit", "heat", "kinds", "light", "measure", "metrics", "noise", "read",
            "render", "targets", "write"]

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -90,6 +91,24 @@ def sample_of(planes: Iterable[object], sample: quantities.Value) -> quantities.
 _UNITS = {"radiance": "W.m^-2.sr^-1", "photon_radiance": "ph.s^-1.m^-2.sr^-1", "temperature": "K", "counts": "counts"}
 
 
+@dataclass(frozen=True, eq=False)
+class CountTemperatures(results.ByValue):
+    """Temperatures in K of an image of counts, pixel by pixel, NaN where there is none.
+
+    `sd_k` is the standard deviation of first order that the stated ones leave, and `shares` the part of each of these in
+    its variance, by name; both are NaN where the first order does not hold. `low_k` and `high_k` are the ends of 95 %, which
+    hold there too; NaN where some of the temperatures there are none. Nothing of all this is there (None, {}) where no
+    standard deviation is stated. What the camera itself errs is not in it.
+    """
+
+    temperature_k: npt.NDArray[np.float64]
+    sd_k: npt.NDArray[np.float64] | None
+    low_k: npt.NDArray[np.float64] | None
+    high_k: npt.NDArray[np.float64] | None
+    shares: dict[str, npt.NDArray[np.float64]]
+    __hash__ = None  # type: ignore[assignment]
+
+
 class Image(results.ByValue):
     """An image file in memory, as it was stored: planes of float32 by name, and what the file says of them.
 
@@ -170,6 +189,23 @@ class Image(results.ByValue):
         plane = values.view(SpacedPlane)
         plane.sample = self.sample
         return plane
+
+    @checked
+    def temperatures(self, **assumed: quantities.Value) -> CountTemperatures:
+        """Temperatures of the counts of a thermal camera, by what its file says, with the uncertainty that is stated here.
+
+        Keywords are numbers in place of those of the file, standard deviations, or both: `emissivity="0.95 +- 0.02"`,
+        `surroundings="+- 2 K"`, `distance`, `air_temperature`, `relative_humidity`, `window_transmission`, `window_temperature`.
+        Raises UsageError for keywords that are none of these, numbers that cannot be, and files without constants of a camera.
+        """
+        plane = self.plane()
+        counts, place = np.unique(np.asarray(plane, dtype=np.float64), return_inverse=True)
+        names, numbers = _core.count_temperatures(self.attributes, [f"{key}={words}" for key, words in assumed.items()], counts)
+        temperature, holds, sd, low, high, *shares = (column[place].reshape(plane.shape) for column in numbers)
+        if not names:
+            return CountTemperatures(temperature, None, None, None, {})
+        sd, *shares = (np.where(holds == 1.0, values, np.nan) for values in (sd, *shares))
+        return CountTemperatures(temperature, sd, low, high, dict(zip(names, shares)))
 
     def __array__(self, dtype: npt.DTypeLike | None = None) -> npt.NDArray[Any]:
         return np.asarray(self.plane(), dtype=dtype)

@@ -530,7 +530,7 @@ bool wants_tiles(const SensorRun& sensor, const SceneSource& scene, const Simula
   if (options.memory || (options.region && sensor.is_linear())) return true;
   if (!refusal_of_windows(options, scene).empty()) return false;
   // Planes of three channels, transforms and OTF of one, about.
-  const mtf::io::FileInfo info = mtf::io::read_info(scene.file);
+  const mtf::io::FileInfo info = mtf::io::read_info_of(scene.file, scene.read.part);
   if (static_cast<double>(info.width) * static_cast<double>(info.height) * 20.0 <= usable) return false;
   if (sensor.is_linear()) return true;
   if (!stages_of_the_whole(sensor).empty()) return false;

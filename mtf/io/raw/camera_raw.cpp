@@ -51,7 +51,7 @@ bool is_camera_raw(const std::string& path) {
   return std::ranges::any_of(endings, [&](std::string_view ending) { return name.ends_with(ending); });
 }
 
-std::vector<RawImage> open_camera_raw(const std::string& path) {
+std::vector<RawImage> open_camera_raw(const std::string& path, Part) {
   const CameraRaw camera = libraw().header(path);
   check_plane_pixels(path, camera.width, camera.height);
   RawImage image;

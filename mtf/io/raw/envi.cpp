@@ -25,7 +25,6 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kEnviMark = "ENVI";
 constexpr std::size_t kLargestHeader = std::size_t{16} << 20;
-constexpr std::int64_t kMostBands = 1 << 20;
 
 bool is_ordinary(const std::string& path) {
   std::error_code error;
@@ -289,7 +288,7 @@ std::vector<std::string> envi_files_of(const std::string& path) {
   return {header, header == path ? envi_numbers_of(path) : path};
 }
 
-std::vector<RawImage> open_envi(const std::string& path) {
+std::vector<RawImage> open_envi(const std::string& path, Part) {
   const std::vector<std::string> files = envi_files_of(path);
   const std::string& header = files[0];
   EnviKeys keys(header);
@@ -299,7 +298,7 @@ std::vector<RawImage> open_envi(const std::string& path) {
   image.file = files[1];
   info.width = keys.take_whole("samples", 1, max_plane_pixels);
   info.height = keys.take_whole("lines", 1, max_plane_pixels);
-  const std::int64_t bands = keys.take_whole("bands", 1, kMostBands);
+  const std::int64_t bands = keys.take_whole("bands", 1, kMostRawPlanes);
   image.type = envi_type(keys);
   image.begin = keys.has("header offset") ? keys.take_whole("header offset", 0, std::int64_t{1} << 60) : 0;
   const std::int64_t more = check_samples(header, image, image.begin, bands);

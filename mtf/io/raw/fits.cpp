@@ -28,7 +28,7 @@ namespace mtf::io {
 namespace {
 
 constexpr std::int64_t kFitsBlock = 2880, kFitsCard = 80;
-constexpr std::int64_t kMostFitsPlanes = 1 << 20, kMostFitsCards = 100'000;
+constexpr std::int64_t kMostFitsCards = 100'000;
 
 std::int64_t whole_blocks(std::int64_t bytes) { return (bytes + kFitsBlock - 1) / kFitsBlock * kFitsBlock; }
 
@@ -152,7 +152,9 @@ RawImage image_of(const std::string& path, const FitsUnit& unit, int number) {
   image.type = fits_type(unit);
   info.width = axes[0];
   info.height = axes[1];
-  if (planes > static_cast<double>(kMostFitsPlanes)) unit.fail(fixed(planes, 0) + " planes; cut the cube into pieces");
+  if (planes > static_cast<double>(kMostRawPlanes))
+    unit.fail(fixed(planes, 0) + " planes, more than the " + std::to_string(kMostRawPlanes) +
+              " that are read; cut the cube into pieces");
   static_cast<void>(check_samples(path, image, unit.begin, static_cast<std::int64_t>(planes)));
   image.planes.resize(static_cast<std::size_t>(planes));
   image.pixel_step = image.type.bytes;
@@ -199,11 +201,18 @@ std::optional<FitsUnit> psfex_image(const FitsUnit& table) {
 
 }  // namespace
 
-std::vector<RawImage> open_fits(const std::string& path) {
+std::vector<RawImage> open_fits(const std::string& path, Part) {
   const std::int64_t size = input_file_size(path);
   std::ifstream file(path, std::ios::binary);
   std::vector<RawImage> images;
   int compressed = 0, tables = 0, number = 0;
+  std::int64_t planes = 0;
+  const auto take = [&](const FitsUnit& unit) {
+    planes += std::ssize(images.emplace_back(image_of(path, unit, number)).planes);
+    if (planes > kMostRawPlanes)
+      unit.fail("with it the file has more than the " + std::to_string(kMostRawPlanes) +
+                " planes that are read; cut the file into pieces");
+  };
   for (std::int64_t at = 0; number == 0 || at + kFitsBlock <= size; ++number) {
     FitsUnit unit{.where = path + ", unit " + std::to_string(number) + " of FITS"};
     read_cards(file, at, unit);
@@ -216,11 +225,11 @@ std::vector<RawImage> open_fits(const std::string& path) {
     if (unit.text("ZIMAGE") == "T")
       ++compressed;
     else if (const std::optional<FitsUnit> psf = psfex_image(unit))
-      images.push_back(image_of(path, *psf, number));
+      take(*psf);
     else if (!kind.empty() && kind != "IMAGE")
       ++tables;
     else if (axes.size() >= 2 && unit.bytes > 0 && axes[0] > 0)
-      images.push_back(image_of(path, unit, number));
+      take(unit);
     at = unit.begin + whole_blocks(unit.bytes);
   }
   if (images.empty() && compressed > 0)

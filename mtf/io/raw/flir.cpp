@@ -303,7 +303,7 @@ std::optional<RawImage> frame_of(const FlirBytes& file, std::int64_t begin, bool
 
 }  // namespace
 
-std::vector<RawImage> open_flir(const std::string& path) {
+std::vector<RawImage> open_flir(const std::string& path, Part) {
   const std::int64_t file_size = input_file_size(path);
   std::ifstream file(path, std::ios::binary);
   std::array<char, 3> start{};

@@ -83,12 +83,9 @@ RawImage image_of(const std::string& path, GdalImage from, int part) {
 
 }  // namespace
 
-std::vector<RawImage> open_gdal(const std::string& path) {
+std::vector<RawImage> open_gdal(const std::string& path, Part part) {
   std::vector<RawImage> images;
-  for (GdalImage& image : gdal().open(path)) {
-    const int part = static_cast<int>(images.size());
-    images.push_back(image_of(path, std::move(image), part));
-  }
+  for (auto& [number, image] : gdal().open(path, part)) images.push_back(image_of(path, std::move(image), number));
   return images;
 }
 

@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "mtf/work/module.h"
@@ -38,8 +39,9 @@ struct GdalImage {
 /// Functions of the module. They throw RuntimeError naming `path`.
 struct Gdal {
   ModuleBuild build;
-  /// All images of the file, each of at least one band; reads no pixels.
-  std::vector<GdalImage> (*open)(const std::string& path);
+  /// The images of the file, each of at least one band, with its number among them: that one which is asked for, or
+  /// all. Reads no pixels. UsageError where all are too many to be open at a time.
+  std::vector<std::pair<int, GdalImage>> (*open)(const std::string& path, std::optional<int> number);
   /// Samples of a band (from 0), `width` a row, as they are stored.
   void (*read)(void* dataset, const std::string& path, int band, std::int64_t x, std::int64_t y, std::int64_t width,
                std::int64_t height, double* out);

@@ -82,7 +82,7 @@ std::vector<RawImage> only_image(RawImage&& image) {
 
 }  // namespace
 
-std::vector<RawImage> open_pnm(const std::string& path) {
+std::vector<RawImage> open_pnm(const std::string& path, Part) {
   const std::int64_t size = input_file_size(path);
   const std::string start = start_of(path);
   const char kind = start[1];
@@ -120,7 +120,7 @@ std::vector<RawImage> open_pnm(const std::string& path) {
   return only_image(std::move(image));
 }
 
-std::vector<RawImage> open_bmp(const std::string& path) {
+std::vector<RawImage> open_bmp(const std::string& path, Part) {
   const std::string start = start_of(path);
   constexpr std::size_t kFileHeader = 14, kInfoHeader = 40, kColourSpace = 70;
   if (start.size() < kFileHeader + kInfoHeader) unreadable(path, "the BMP file ends in its header; copy it again");

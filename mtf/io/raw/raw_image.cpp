@@ -68,8 +68,8 @@ void set_no_data(RawImage& image, double value, const std::string& words) {
   note_no_data(image.info, words);
 }
 
-FileInfo read_raw_info(const std::string& path, OpenRaw open, int part) {
-  const std::vector<RawImage> images = open(path);
+FileInfo read_raw_info(const std::string& path, OpenRaw open, Part part) {
+  const std::vector<RawImage> images = open(path, part);
   const auto of_part =
       std::ranges::find_if(images, [&](const RawImage& image) { return image.info.channels.front().part == part; });
   FileInfo info = of_part == images.end() ? images.front().info : of_part->info;
@@ -80,7 +80,7 @@ FileInfo read_raw_info(const std::string& path, OpenRaw open, int part) {
 }
 
 RawWindows::RawWindows(const std::string& path, OpenRaw open, const ReadOptions& options) {
-  std::vector<RawImage> images = open(path);
+  std::vector<RawImage> images = open(path, options.part);
   std::vector<ChannelInfo> all;
   for (const RawImage& image : images) all.insert(all.end(), image.info.channels.begin(), image.info.channels.end());
   ChannelChoice choice = choose_channels(path, all, options);

@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -46,23 +47,27 @@ void name_channels(RawImage& image, const std::vector<std::string>& names, int p
 /// Samples that are `value` have no data. `words` say so: "0 (BLANK)".
 void set_no_data(RawImage& image, double value, const std::string& words);
 
-// The images in a file of each format; several only in FITS and FLIR, where ReadOptions::part chooses. Only headers are
-// read. Throw RuntimeError for headers that are damaged, that lack what the numbers cannot be read without, or that ask
-// for what is not read; messages name the key.
-std::vector<RawImage> open_envi(const std::string& path);
-std::vector<RawImage> open_fits(const std::string& path);
-std::vector<RawImage> open_pnm(const std::string& path);
-std::vector<RawImage> open_bmp(const std::string& path);
-/// FFF and SEQ, a frame a part; or the counts in a JPEG (mtf/io/raw/flir.cpp).
-std::vector<RawImage> open_flir(const std::string& path);
-/// By the module of GDAL; also throws as open_module does.
-std::vector<RawImage> open_gdal(const std::string& path);
-/// By the module of LibRaw, likewise.
-std::vector<RawImage> open_camera_raw(const std::string& path);
-using OpenRaw = std::vector<RawImage> (*)(const std::string& path);
+/// Planes of a file, which are channels with names: more take seconds to list and to choose from.
+inline constexpr std::int64_t kMostRawPlanes = 1 << 16;
 
-/// Of the part that is asked for, the first where it is none; `channels` are those of all.
-FileInfo read_raw_info(const std::string& path, OpenRaw open, int part = -1);
+// The images in a file of each format; several only in FITS, FLIR and those of GDAL, where ReadOptions::part chooses:
+// then GDAL opens no other. Only headers are read. Throw RuntimeError for headers that are damaged, that lack what the
+// numbers cannot be read without, or that ask for what is not read; messages name the key.
+using Part = std::optional<int>;
+std::vector<RawImage> open_envi(const std::string& path, Part part);
+std::vector<RawImage> open_fits(const std::string& path, Part part);
+std::vector<RawImage> open_pnm(const std::string& path, Part part);
+std::vector<RawImage> open_bmp(const std::string& path, Part part);
+/// FFF and SEQ, a frame a part; or the counts in a JPEG (mtf/io/raw/flir.cpp).
+std::vector<RawImage> open_flir(const std::string& path, Part part);
+/// By the module of GDAL; also throws as open_module does, and UsageError for many images without a part.
+std::vector<RawImage> open_gdal(const std::string& path, Part part);
+/// By the module of LibRaw, likewise.
+std::vector<RawImage> open_camera_raw(const std::string& path, Part part);
+using OpenRaw = std::vector<RawImage> (*)(const std::string& path, Part part);
+
+/// Of the part that is asked for, the first where it is none; `channels` are those of all that were opened.
+FileInfo read_raw_info(const std::string& path, OpenRaw open, Part part = std::nullopt);
 ImageFile read_raw(const std::string& path, OpenRaw open, const ReadOptions& options);
 
 /// Windows of the chosen channels, from any thread.

@@ -56,6 +56,17 @@ TEST(Fits, FilesThatCannotBeReadSayWhy) {
   refused(empty + header_of(table) + data, {"compressed", "funpack"});
   io_test::write_bytes(path, header_of(image("16", "36", "40")) + data + header_of(table) + data);
   EXPECT_TRUE(says(mtf::io::read_info(path).notes, "1 compressed image"));
+  Cards cube = image("8", "1", "1");
+  cube[2].second = "3";
+  cube.emplace_back("NAXIS3", "65536");
+  const std::string planes((65536 + 2879) / 2880 * 2880, '\1');
+  io_test::write_bytes(path, header_of(cube) + planes);
+  EXPECT_EQ(mtf::io::read_image(path, {.channel = "plane 65536"}).planes.front().at(0, 0), 1.0F);
+  Cards more = image("8", "1", "1");
+  more[0] = {"XTENSION", "'IMAGE'"};
+  refused(header_of(cube) + planes + header_of(more) + data, {"unit 1", "more than the 65536 planes"});
+  cube.back().second = "65537";
+  refused(header_of(cube) + planes, {"65537 planes", "cut the cube"});
   // A part is described by itself.
   Cards second = image("-32", "6", "5");
   second[0] = {"XTENSION", "'IMAGE'"};
