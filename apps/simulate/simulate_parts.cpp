@@ -20,10 +20,11 @@ std::vector<mtf::Image> through_chain(Frame& frame, radiometry::ChainState* stat
   const radiometry::OutputStage stage = frame.sensor.chain()->stage;
   frame.counted = at_its_place(frame.sensor.config(), [&] {
     if (frame.kept != nullptr)
-      return frame.chain->run(*frame.kept, number, stage, input.border_value, threads, state, frame.noise_rows);
+      return frame.chain->run(*frame.kept, number, stage, input.border_value, threads, state, frame.noise_rows,
+                              frame.whole_levels);
     mtf::Image light =
         frame.own != nullptr ? std::move(frame.own->scene.planes.front()) : input.scene.planes.front().clone();
-    return frame.chain->run(std::move(light), number, stage, input.border_value, threads, state);
+    return frame.chain->run(std::move(light), number, stage, input.border_value, threads, state, frame.whole_levels);
   });
   std::vector<mtf::Image> images;
   images.push_back(std::move(frame.counted.image));
@@ -200,6 +201,11 @@ Written deliver(const SimulateOptions& options, const std::string& file, const s
   }
   if (!options.keep_images) image.planes.clear();
   return written;
+}
+
+bool takes_whole_levels(const SimulateOptions& options) {
+  return !options.out.empty() && !options.range && !options.keep_images &&
+         !mtf::io::holds_floats(mtf::io::format_from_extension(options.out));
 }
 
 void RunWatch::Caller::tell(const SimulateEvent& event) {

@@ -87,6 +87,9 @@ std::shared_ptr<const mtf::SceneSpectrum> spectrum_of_all(const mtf::io::Scene& 
 Written deliver(const SimulateOptions& options, const std::string& file, const std::vector<std::string>& names,
                 SimulatedImage& image, const IntegerRange& range);
 
+/// True where images go to files of whole numbers alone, which have no more of a display of levels to 255 than these.
+bool takes_whole_levels(const SimulateOptions& options);
+
 // What a run tells its caller, from whatever thread: one event at a time, and the run ends where the caller says so.
 
 class RunWatch {
@@ -186,6 +189,7 @@ struct Frame {
   SceneInput* own = nullptr;                          ///< `input`, where no other frame has it: its planes are used up
   mtf::KeptScene* kept = nullptr;                     ///< of a scene that comes again: the planes of `input`
   std::int64_t noise_rows = 1;                        ///< of a kept scene: see radiometry::Chain::run
+  bool whole_levels = false;                          ///< are enough: see there
   std::optional<std::array<std::int64_t, 4>> region;  ///< of the image that is wanted, where it is not all of it
   std::shared_ptr<const mtf::SensorPlan> plan;
   std::optional<mtf::TiledSensorPlan> tiles;          ///< takes less time than `plan`, of which it is made

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 
 #include "mtf/device/device_parts.h"
 #include "mtf/parallel.h"
@@ -14,8 +15,8 @@ namespace {
 using Place = Device::Parts::Place;
 using Arguments = std::vector<KernelArgument>;
 
-/// Held pixels at the well, at the least and at the largest count.
-using Counts = std::array<std::uint32_t, 3>;
+/// Held pixels at the well, at the least and at the largest count, and those that are no numbers.
+using Counts = std::array<std::uint32_t, 4>;
 constexpr Counts kNone{};
 
 const DeviceMemory& counts_of(Device::Parts& parts) { return parts.memory(Place::counts, sizeof kNone); }
@@ -26,6 +27,23 @@ void add_random(Arguments& arguments, const DeviceRandom& random) {
        {random.x, random.y, random.frame, random.stream, static_cast<std::uint32_t>(random.seed),
         static_cast<std::uint32_t>(random.seed >> 32)})
     arguments.emplace_back(number);
+}
+
+constexpr std::size_t kKeys = 1 << 16;  // halves of 32 bits
+
+/// The bin of a rank, which then counts from the bin's first on.
+std::uint32_t bin_of(std::int64_t& rank, std::span<const std::uint32_t> counts) {
+  std::size_t bin = 0;
+  while (bin + 1 < counts.size() && rank >= std::int64_t{counts[bin]}) rank -= std::int64_t{counts[bin++]};
+  return static_cast<std::uint32_t>(bin);
+}
+
+/// Numbers of the host for the kernel that comes next.
+const DeviceMemory& sent(Device::Parts& parts, std::span<const float> numbers) {
+  const DeviceMemory& memory = parts.memory(Place::numbers, numbers.size_bytes());
+  parts.backend->upload(parts.queue, numbers.data(), memory, numbers.size_bytes());
+  parts.backend->finish(parts.queue);  // before the caller's numbers go
+  return memory;
 }
 
 }  // namespace
@@ -49,6 +67,7 @@ void DeviceImage::run(const char* kernel, std::int64_t columns, const Append& ap
     append(parts, arguments);
     parts.backend->launch(parts.queue, kernel, {columns, height_, 1}, arguments);
   });
+  values_ = Values::floats;
 }
 
 DeviceImage::DeviceImage(std::shared_ptr<const Device> device, std::int64_t width, std::int64_t height,
@@ -94,11 +113,7 @@ void DeviceImage::add_lines(std::span<const float> numbers, bool of_rows) {
     throw UsageError(std::to_string(numbers.size()) + " numbers for the lines of an image of " +
                      size_text(width_, height_));
   run("add_lines", width_, [&](Device::Parts& parts, Arguments& arguments) {
-    const DeviceMemory& lines =
-        parts.memory(Place::lines, static_cast<std::size_t>(std::max(width_, height_)) * sizeof(float));
-    parts.backend->upload(parts.queue, numbers.data(), lines, numbers.size_bytes());
-    parts.backend->finish(parts.queue);  // before the caller's numbers go
-    arguments.emplace_back(lines);
+    arguments.emplace_back(sent(parts, numbers));
     arguments.emplace_back(std::int32_t{of_rows});
   });
 }
@@ -132,20 +147,90 @@ void DeviceImage::digitise(double scale, double offset, double most) {
     arguments.emplace_back(counts_of(parts));
     for (const double number : {scale, offset, most}) arguments.emplace_back(number);
   });
+  if (most <= 65535.0) values_ = most <= 255.0 ? Values::bytes : Values::words;
 }
+
+template <class Append>
+std::vector<std::uint32_t> DeviceImage::counted(const char* kernel, std::size_t bins, const Append& append) {
+  std::vector<std::uint32_t> counts(bins);
+  run(kernel, width_, [&](Device::Parts& parts, Arguments& arguments) {
+    const DeviceMemory& memory = parts.memory(Place::bins, counts.size() * sizeof counts[0]);
+    const auto count = static_cast<std::int64_t>(bins);
+    parts.backend->launch(parts.queue, "clear", {count, 1, 1},
+                          std::array<KernelArgument, 2>{memory, static_cast<std::int32_t>(count)});
+    arguments.emplace_back(memory);
+    append(arguments);
+  });
+  on_device([&](Device::Parts& parts) {
+    const std::size_t bytes = counts.size() * sizeof counts[0];
+    parts.backend->download(parts.queue, parts.memory(Place::bins, bytes), counts.data(), bytes);
+    parts.backend->finish(parts.queue);
+  });
+  return counts;
+}
+
+std::vector<std::uint32_t> DeviceImage::order() {
+  return counted("count_keys", kKeys, [](Arguments& arguments) {
+    arguments.emplace_back(std::int32_t{16});
+    arguments.emplace_back(std::uint32_t{0});
+  });
+}
+
+float DeviceImage::value_at(std::int64_t rank, std::span<const std::uint32_t> order) {
+  const std::uint32_t upper = bin_of(rank, order);
+  const std::vector<std::uint32_t> lower = counted("count_keys", kKeys, [&](Arguments& arguments) {
+    arguments.emplace_back(std::int32_t{0});
+    arguments.emplace_back(upper);
+  });
+  const std::uint32_t key = upper << 16 | bin_of(rank, lower), sign = 0x80000000U;
+  return std::bit_cast<float>((key & sign) != 0 ? key ^ sign : ~key);
+}
+
+std::vector<std::uint32_t> DeviceImage::histogram(double low, double scale, std::int64_t bins) {
+  return counted("count_bins", static_cast<std::size_t>(bins), [&](Arguments& arguments) {
+    arguments.emplace_back(low);
+    arguments.emplace_back(scale);
+    arguments.emplace_back(static_cast<std::int32_t>(bins));
+  });
+}
+
+void DeviceImage::tone(std::span<const float> levels, double low, double scale) {
+  run("tone", width_, [&](Device::Parts& parts, Arguments& arguments) {
+    arguments.emplace_back(sent(parts, levels));
+    arguments.emplace_back(static_cast<std::int32_t>(levels.size() - 1));
+    arguments.emplace_back(low);
+    arguments.emplace_back(scale);
+  });
+}
+
+void DeviceImage::round_to_bytes() { values_ = Values::bytes; }
 
 DeviceImage::Held DeviceImage::download(ImageView<float> out, int threads) {
   Counts counts{};
-  const PinnedMemory* pixels = nullptr;
-  on_device([&](Device::Parts& parts) {
-    const std::size_t bytes = static_cast<std::size_t>(width_ * height_) * sizeof(float);
-    pixels = &parts.pinned(1, bytes);
-    parts.backend->download(parts.queue, parts.memory(Place::image, bytes), pixels->data, bytes);
-    parts.backend->download(parts.queue, counts_of(parts), counts.data(), sizeof counts);
-    parts.backend->finish(parts.queue);
-  });
-  parallel_for_each(height_, 64, threads,
-                    [&](std::int64_t y) { std::copy_n(pixels->floats() + y * width_, width_, out.row(y)); });
+  const auto fetch = [&]<class T>(Place place, T) {
+    const PinnedMemory* pixels = nullptr;
+    on_device([&](Device::Parts& parts) {
+      const std::size_t bytes = static_cast<std::size_t>(width_ * height_) * sizeof(T);
+      pixels = &parts.pinned(1, bytes);
+      parts.backend->download(parts.queue, parts.memory(place, bytes), pixels->data, bytes);
+      parts.backend->download(parts.queue, counts_of(parts), counts.data(), sizeof counts);
+      parts.backend->finish(parts.queue);
+    });
+    const T* const from = static_cast<const T*>(pixels->data);
+    parallel_for_each(height_, 64, threads,
+                      [&](std::int64_t y) { std::copy_n(from + y * width_, width_, out.row(y)); });
+  };
+  const auto fetch_whole = [&]<class T>(const char* kernel, T number) {
+    run(kernel, width_, [&](Device::Parts& parts, Arguments& arguments) {
+      arguments.emplace_back(parts.memory(Place::whole, static_cast<std::size_t>(width_ * height_) * sizeof number));
+      arguments.emplace_back(counts_of(parts));
+    });
+    fetch(Place::whole, number);
+  };
+  const Values values = values_;
+  if (values == Values::bytes) fetch_whole("whole_bytes", std::uint8_t{});
+  if (values == Values::words) fetch_whole("whole_words", std::uint16_t{});
+  if (values == Values::floats || counts[3] > 0) fetch(Place::image, float{});
   return {counts[0], counts[1], counts[2]};
 }
 

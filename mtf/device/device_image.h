@@ -12,6 +12,7 @@
 #include <memory>
 #include <mutex>
 #include <span>
+#include <vector>
 
 #include "mtf/device/device.h"
 #include "mtf/image.h"
@@ -52,14 +53,25 @@ class DeviceImage {
   void hold_well(float well);
   /// radiometry::Nonlinearity
   void bend(double well, double a2, double a3, double a4);
-  /// floor(value x scale + offset), held between 0 and `most`.
+  /// floor(value x scale + offset), held between 0 and `most`, which is whole.
   void digitise(double scale, double offset, double most);
+
+  /// How many finite pixels there are of each upper half of a key that rises with their value.
+  std::vector<std::uint32_t> order();
+  /// The value at a rank of the sorted finite pixels, of which order() was asked last.
+  float value_at(std::int64_t rank, std::span<const std::uint32_t> order);
+  /// How many pixels have (value - low) x scale in each of so many intervals of 1 from 0 on, the end in the last.
+  std::vector<std::uint32_t> histogram(double low, double scale, std::int64_t bins);
+  /// The curve through levels that lie 1 / scale apart from `low` on: straight between them, constant beyond.
+  void tone(std::span<const float> levels, double low, double scale);
+  /// Whole numbers are enough of values from 0 to 255: the image comes back rounded, halves upwards.
+  void round_to_bytes();
 
   /// Pixels that were held so far.
   struct Held {
     std::int64_t well = 0, least = 0, most = 0;
   };
-  /// Brings the image to the host.
+  /// Brings the image to the host, as 8 or 16 bits a pixel where these hold what the last operation has left.
   Held download(ImageView<float> out, int threads);
 
  private:
@@ -74,8 +86,13 @@ class DeviceImage {
   /// Threads of a row, each of which makes the two pixels that share random words.
   std::int64_t pairs(const DeviceRandom& random) const { return (width_ + random.x % 2 + 1) / 2; }
 
+  /// What a kernel that counts pixels counts in each of so many bins.
+  template <class Append>
+  std::vector<std::uint32_t> counted(const char* kernel, std::size_t bins, const Append& append);
+
   std::shared_ptr<const Device> device_;
   std::int64_t width_, height_;
+  enum class Values { floats, words, bytes } values_ = Values::floats;  ///< that the pixels are: whole ones, or any
   std::unique_lock<std::mutex> held_;
 };
 

@@ -7,6 +7,8 @@
 #else
 #define COUNT(p) atomicAdd(p, 1u)
 #endif
+typedef unsigned char u8;
+typedef unsigned short u16;
 
 #define PIXEL                                       \
   const int x = GX, y = GY;                         \
@@ -32,7 +34,52 @@ KERNEL void add_lines(GLOBAL float* image, int columns, int rows, GLOBAL const f
   image[at] += numbers[of_rows ? y : x];
 }
 
+KERNEL void clear(GLOBAL u32* counts, int count) {
+  if (GX < count) counts[GX] = 0u;
+}
+
+// Finite pixels by 16 bits, from `shift` on, of a key that rises with their value; shift 0: of those alone whose upper
+// half is `upper`.
+KERNEL void count_keys(GLOBAL const float* image, int columns, int rows, GLOBAL u32* counts, int shift, u32 upper) {
+  PIXEL;
+  const u32 bits = (u32)BITS_OF(image[at]), key = (bits & 0x80000000u) != 0 ? ~bits : bits | 0x80000000u;
+  if ((bits & 0x7f800000u) == 0x7f800000u || (shift == 0 && key >> 16 != upper)) return;
+  COUNT(&counts[(key >> shift) & 0xffffu]);
+}
+
 #ifdef DOUBLES
+// The gain (radiometry/stages/processing/agc.cpp): pixels by their bin, and a curve of so many straight intervals.
+KERNEL void count_bins(GLOBAL const float* image, int columns, int rows, GLOBAL u32* counts, double low, double scale,
+                       int bins) {
+  PIXEL;
+  const double place = ((double)image[at] - low) * scale;
+  if (!(place >= 0.0 && place <= (double)bins)) return;
+  const int bin = (int)place;
+  COUNT(&counts[bin < bins - 1 ? bin : bins - 1]);
+}
+
+KERNEL void tone(GLOBAL float* image, int columns, int rows, GLOBAL const float* levels, int intervals, double low,
+                 double scale) {
+  PIXEL;
+  const float value = image[at];
+  const double place = ((double)value - low) * scale, most = (double)intervals;
+  const double inside = !(place > 0.0) ? 0.0 : place < most ? place : most;
+  const int interval = (int)inside < intervals ? (int)inside : intervals - 1;
+  const float share = (float)(inside - (double)interval);
+  if (value == value) image[at] = levels[interval] * (1.0f - share) + levels[interval + 1] * share;
+}
+
+// The nearest whole numbers of what is not negative; not-a-number has none, and is counted in counts[3].
+#define WHOLE_NUMBERS(NAME, T)                                                                            \
+  KERNEL void NAME(GLOBAL const float* image, int columns, int rows, GLOBAL T* whole, GLOBAL u32* counts) { \
+    PIXEL;                                                                                                \
+    const float value = image[at];                                                                        \
+    if (value != value) COUNT(&counts[3]);                                                                \
+    whole[at] = value == value ? (T)floor((double)value + 0.5) : (T)0;                                    \
+  }
+WHOLE_NUMBERS(whole_bytes, u8)
+WHOLE_NUMBERS(whole_words, u16)
+
 // A thread for the two pixels that share a block of random words (radiometry/stages/noise/random.h): those of columns
 // 2 half and 2 half + 1 of the detector, at x and x + 1 of the image.
 #define PAIR                                               \

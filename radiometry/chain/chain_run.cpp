@@ -50,7 +50,6 @@ void run_detector(FrameRun& run, mtf::Image& image, OutputStage stage) {
   run.counter.count(run.frame.held, run.frame.held_defects);
   for (const Part part : {Part::conversion, Part::correction})
     if (goes_through(part, stage)) run.run(part, image);
-  run.bring_back(image);
 }
 
 /// Runs the frames of the positions of [microscan] and puts them together.
@@ -117,7 +116,7 @@ void FrameRun::run(Part part, mtf::Image& image) {
     if (stage.part != part || (stage.in_sequence && state == nullptr)) continue;
     const auto own = maps.detector->of_stages.find(stage.name);
     map = own != maps.detector->of_stages.end() ? own->second : nullptr;
-    if (on_device != nullptr && stage.step_on_device != nullptr) {
+    if (on_device != nullptr && stage.step_on_device != nullptr && (stage.stays == nullptr || stage.stays(*this))) {
       stage.step_on_device(*this, *on_device);
     } else {
       bring_back(image);
@@ -157,22 +156,24 @@ void FrameRun::run_to(OutputStage stage) {
   else
     run_detector(*this, frame.image, stage);
   if (goes_through(Part::display, stage)) run(Part::display, frame.image);
+  bring_back(frame.image);
 }
 
 ChainFrame Chain::run(mtf::Image radiance, std::uint32_t number, OutputStage stage, double border_value, int threads,
-                      ChainState* state) const {
-  return run_scene(std::move(radiance), nullptr, number, stage, border_value, threads, state, 1);
+                      ChainState* state, bool whole_levels) const {
+  return run_scene(std::move(radiance), nullptr, number, stage, border_value, threads, state, 1, whole_levels);
 }
 
 ChainFrame Chain::run(mtf::KeptScene& radiance, std::uint32_t number, OutputStage stage, double border_value,
-                      int threads, ChainState* state, std::int64_t noise_rows) const {
+                      int threads, ChainState* state, std::int64_t noise_rows, bool whole_levels) const {
   if (radiance.planes().size() != 1)
     throw mtf::UsageError("the chain of a sensor takes one plane, not " + std::to_string(radiance.planes().size()));
-  return run_scene({}, &radiance, number, stage, border_value, threads, state, noise_rows);
+  return run_scene({}, &radiance, number, stage, border_value, threads, state, noise_rows, whole_levels);
 }
 
 ChainFrame Chain::run_scene(mtf::Image radiance, mtf::KeptScene* kept, std::uint32_t number, OutputStage stage,
-                            double border_value, int threads, ChainState* state, std::int64_t noise_rows) const {
+                            double border_value, int threads, ChainState* state, std::int64_t noise_rows,
+                            bool whole_levels) const {
   require_output_stage(stage, compiled_->last, compiled_->adc.has_value(), compiled_->settings.thermal.has_value());
   const mtf::DeviceChoice& device = compiled_->plan.options.device;
   const std::optional<std::uint32_t> last = state != nullptr ? state->last : std::nullopt;
@@ -184,7 +185,8 @@ ChainFrame Chain::run_scene(mtf::Image radiance, mtf::KeptScene* kept, std::uint
                  .key = {compiled_->seed, number},
                  .number = number,
                  .kept = kept,
-                 .border = border_value};
+                 .border = border_value,
+                 .whole_levels = whole_levels};
     run.may_stay = on_device;
     if (!on_device && rows_stand_alone(*compiled_, stage)) run.noise_rows = std::max<std::int64_t>(1, noise_rows);
     run.frame.image = std::move(radiance);
@@ -217,12 +219,18 @@ void Chain::prepare(OutputStage stage, int threads) const {
   if (stage == OutputStage::display && compiled_->settings.correction) compiled_->correction(mtf::threads_of(threads));
 }
 
-const TwoPoint& CompiledChain::correction(int threads) const {
+std::shared_ptr<const TwoPoint> CompiledChain::correction(int threads) const {
   const CompiledChain& owner = corrected_by ? *corrected_by : *this;
   // Not std::call_once: what ends the measurement (mtf::Stopped) cannot leave it, glibc aborts the program.
   const std::scoped_lock lock(owner.measuring);
-  if (!owner.measured) owner.measured = owner.measure(threads);
-  return *owner.measured;
+  if (!owner.measured) owner.measured = std::make_shared<const TwoPoint>(owner.measure(threads));
+  return owner.measured;
+}
+
+std::shared_ptr<const TwoPoint> CompiledChain::known_correction() const {
+  const CompiledChain& owner = corrected_by ? *corrected_by : *this;
+  const std::unique_lock lock(owner.measuring, std::try_to_lock);
+  return lock ? owner.measured : nullptr;
 }
 
 TwoPoint CompiledChain::measure(int threads) const {

@@ -215,6 +215,7 @@ class SequenceFrames {
   void run(Frame& frame) {
     attempt(frame, frame.run_ms, [&] {
       frame.image.frame = frame.number;
+      frame.whole_levels = takes_whole_levels(options_);
       radiometry::ChainState own;  // a closing is known without the frames before
       radiometry::ChainState* state = remembers() ? &state_ : frame.closing ? &own : nullptr;
       if (frame.closing) state->closing = frame.closing;
