@@ -15,6 +15,7 @@ namespace mtf {
 struct Device::Parts {
   DeviceInfo info;
   DeviceTest test;
+  double tap_ns = 0.0;  ///< of a weight of a direct kernel at a pixel (device_taps.h), as the test has measured it
   DeviceFault fault = DeviceFault::none;
   std::unique_ptr<DeviceBackend> backend;
   DeviceBackend::Queue queue = 0;

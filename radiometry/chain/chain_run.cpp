@@ -204,7 +204,7 @@ ChainFrame Chain::run_scene(mtf::Image radiance, mtf::KeptScene* kept, std::uint
     }
     return std::move(run.frame);
   };
-  const bool filters = compiled_->plan.presample.report().method == "fft_device";
+  const bool filters = compiled_->plan.presample.report().method.ends_with("_device");
   const bool moves = compiled_->settings.microscan || (compiled_->settings.distortion && kept == nullptr);
   // A frame comes back before a stage that remembers changes its state: it can be made once more by the processor.
   try {
