@@ -31,6 +31,19 @@ std::vector<mtf::Image> through_chain(Frame& frame, radiometry::ChainState* stat
   return images;
 }
 
+/// What the chain or the plan has made, as it is handed on.
+std::vector<mtf::Image> finished(const Frame& frame, std::vector<mtf::Image> images, int threads) {
+  const SceneInput& input = *frame.input;
+  for (std::size_t c = 0; c < images.size(); ++c) {
+    const mtf::Image& mask = input.masks[c];
+    if (mask.size() > 0)
+      mtf::propagate_bad_pixels(*frame.plan, mask, frame.plan->options.tolerance, threads, images[c].view());
+    if (frame.region) images[c] = cropped(images[c], *frame.region);
+    if (mask.size() == 0 && !mtf::all_finite(images[c].view())) refuse_overflow(input.scene.names[c]);
+  }
+  return images;
+}
+
 std::vector<mtf::Image> filtered(Frame& frame, int threads) {
   const SceneInput& input = *frame.input;
   if (frame.kept != nullptr) return frame.plan->run(*frame.kept, input.border_value, threads);
@@ -270,16 +283,25 @@ std::shared_ptr<const radiometry::Chain> chain_of(const SensorRun& sensor, const
 }
 
 std::vector<mtf::Image> run_planes(Frame& frame, radiometry::ChainState* state, int threads) {
-  const SceneInput& input = *frame.input;
-  std::vector<mtf::Image> images = frame.chain ? through_chain(frame, state, threads) : filtered(frame, threads);
-  for (std::size_t c = 0; c < images.size(); ++c) {
-    const mtf::Image& mask = input.masks[c];
-    if (mask.size() > 0)
-      mtf::propagate_bad_pixels(*frame.plan, mask, frame.plan->options.tolerance, threads, images[c].view());
-    if (frame.region) images[c] = cropped(images[c], *frame.region);
-    if (mask.size() == 0 && !mtf::all_finite(images[c].view())) refuse_overflow(input.scene.names[c]);
+  return finished(frame, frame.chain ? through_chain(frame, state, threads) : filtered(frame, threads), threads);
+}
+
+void run_batch(std::span<const std::shared_ptr<Frame>> frames, int threads) {
+  const Frame& first = *frames.front();
+  const SceneInput& input = *first.input;
+  mtf::KeptScene scene({first.input, &input.scene.planes});
+  const std::int64_t step = frames.size() > 1 ? frames[1]->number - first.number : 1;
+  std::vector<radiometry::ChainFrame> made = at_its_place(first.sensor.config(), [&] {
+    return first.chain->run_batch(
+        scene, {static_cast<std::uint32_t>(first.number), static_cast<std::uint32_t>(step), std::ssize(frames)},
+        first.sensor.chain()->stage, input.border_value, threads, first.whole_levels);
+  });
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    std::vector<mtf::Image> images;
+    images.push_back(std::move(made[i].image));
+    frames[i]->counted = std::move(made[i]);
+    frames[i]->image.planes = finished(*frames[i], std::move(images), threads);
   }
-  return images;
 }
 
 mtf::io::Metadata metadata_of(const Frame& frame) {

@@ -10,6 +10,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -218,6 +219,10 @@ std::shared_ptr<const radiometry::Chain> chain_of(const SensorRun& sensor, const
 /// The planes of a frame that has its input, its plan and its chain. `state`: of the sequence, for a sensor whose
 /// frames leave something to the next, else null. Throws RuntimeError for values that float32 does not hold.
 std::vector<mtf::Image> run_planes(Frame& frame, radiometry::ChainState* state, int threads);
+
+/// The same of several frames of one scene by one chain, their numbers equally far apart, that stand for themselves, in
+/// batches where a device makes them (radiometry::Chain::run_batch). Puts the planes into their images.
+void run_batch(std::span<const std::shared_ptr<Frame>> frames, int threads);
 
 /// What is stored with the image of one frame of several.
 mtf::io::Metadata metadata_of(const Frame& frame);

@@ -16,18 +16,8 @@ using Place = Device::Parts::Place;
 using Arguments = std::vector<KernelArgument>;
 
 /// Held pixels at the well, at the least and at the largest count, and those that are no numbers.
-using Counts = std::array<std::uint32_t, 4>;
-constexpr Counts kNone{};
-
-const DeviceMemory& counts_of(Device::Parts& parts) { return parts.memory(Place::counts, sizeof kNone); }
-
-/// The numbers with which a kernel finds its random words.
-void add_random(Arguments& arguments, const DeviceRandom& random) {
-  for (const std::uint32_t number :
-       {random.x, random.y, random.frame, random.stream, static_cast<std::uint32_t>(random.seed),
-        static_cast<std::uint32_t>(random.seed >> 32)})
-    arguments.emplace_back(number);
-}
+constexpr std::size_t kCounts = 4;
+using Counts = std::array<std::uint32_t, kCounts>;
 
 constexpr std::size_t kKeys = 1 << 16;  // halves of 32 bits
 
@@ -58,23 +48,54 @@ void DeviceImage::on_device(const Work& work) {
   }
 }
 
+const DeviceMemory& DeviceImage::pixels_of(Device::Parts& parts) const {
+  return parts.memory(frames_ > 1 ? Place::frames : Place::image,
+                      static_cast<std::size_t>(frames_ * width_ * height_) * sizeof(float));
+}
+
+const DeviceMemory& DeviceImage::counts_of(Device::Parts& parts) const {
+  return parts.memory(Place::counts, static_cast<std::size_t>(frames_) * sizeof(Counts));
+}
+
+void DeviceImage::clear(Device::Parts& parts, const DeviceMemory& counts, std::size_t count) const {
+  parts.backend->launch(parts.queue, "clear", {static_cast<std::int64_t>(count), 1, 1},
+                        std::array<KernelArgument, 2>{counts, static_cast<std::int32_t>(count)});
+}
+
+/// The numbers with which a kernel finds its random words.
+void DeviceImage::add_random(Arguments& arguments, const DeviceRandom& random) const {
+  for (const std::uint32_t number :
+       {random.x, random.y, random.frame, step_, random.stream, static_cast<std::uint32_t>(random.seed),
+        static_cast<std::uint32_t>(random.seed >> 32)})
+    arguments.emplace_back(number);
+}
+
 template <class Append>
-void DeviceImage::run(const char* kernel, std::int64_t columns, const Append& append) {
+void DeviceImage::launch(const char* kernel, std::int64_t columns, std::int64_t frames, const Append& append) {
   on_device([&](Device::Parts& parts) {
     if (parts.fault == DeviceFault::chain) throw DeviceError("a fault after the filter that was asked for");
-    const DeviceMemory& image = parts.memory(Place::image, static_cast<std::size_t>(width_ * height_) * sizeof(float));
-    Arguments arguments{image, static_cast<std::int32_t>(width_), static_cast<std::int32_t>(height_)};
+    Arguments arguments{pixels_of(parts), static_cast<std::int32_t>(width_), static_cast<std::int32_t>(height_)};
     append(parts, arguments);
-    parts.backend->launch(parts.queue, kernel, {columns, height_, 1}, arguments);
+    parts.backend->launch(parts.queue, kernel, {columns, height_, frames}, arguments);
   });
+}
+
+template <class Append>
+void DeviceImage::run(const char* kernel, std::int64_t columns, const Append& append) {
+  launch(kernel, columns, frames_, append);
+  values_ = Values::floats;
+}
+
+template <class Append>
+void DeviceImage::run_chosen(const char* kernel, const Append& append) {
+  launch(kernel, width_, 1, append);
   values_ = Values::floats;
 }
 
 DeviceImage::DeviceImage(std::shared_ptr<const Device> device, std::int64_t width, std::int64_t height,
                          std::unique_lock<std::mutex> held)
     : device_(std::move(device)), width_(width), height_(height), held_(std::move(held)) {
-  on_device(
-      [&](Device::Parts& parts) { parts.backend->upload(parts.queue, kNone.data(), counts_of(parts), sizeof kNone); });
+  on_device([&](Device::Parts& parts) { clear(parts, counts_of(parts), kCounts); });
 }
 
 DeviceImage::~DeviceImage() {
@@ -89,6 +110,23 @@ const DeviceMemory& DeviceImage::map_of(Device::Parts& parts, const std::shared_
     throw UsageError("a map of " + size_text(map->width(), map->height()) + " pixels for an image of " +
                      size_text(width_, height_));
   return parts.map(map);
+}
+
+void DeviceImage::repeat(std::int64_t frames, std::uint32_t step) {
+  if (frames_ != 1) throw UsageError("a batch of frames is made of one image, not of another batch");
+  frames_ = frames;
+  step_ = step;
+  if (frames == 1) return;
+  run("repeat", width_, [&](Device::Parts& parts, Arguments& arguments) {
+    clear(parts, counts_of(parts), kCounts * static_cast<std::size_t>(frames));
+    arguments.emplace_back(parts.memory(Place::image, static_cast<std::size_t>(width_ * height_) * sizeof(float)));
+  });
+}
+
+bool DeviceImage::has_room(const DeviceInfo& info, std::int64_t width, std::int64_t height, std::int64_t frames) {
+  constexpr std::int64_t kShare = 4;  // of the memory, for pixels and whole numbers; filters and maps take theirs
+  const std::int64_t pixels = width * height * frames;
+  return 4 * pixels <= info.largest_bytes && 6 * pixels <= info.bytes / kShare;
 }
 
 void DeviceImage::multiply_add(const DeviceLinear& gain, const DeviceLinear& offset) {
@@ -109,12 +147,14 @@ void DeviceImage::add(const std::shared_ptr<const Image>& map) {
 }
 
 void DeviceImage::add_lines(std::span<const float> numbers, bool of_rows) {
-  if (static_cast<std::int64_t>(numbers.size()) != (of_rows ? height_ : width_))
+  const std::int64_t lines = of_rows ? height_ : width_;
+  if (std::ssize(numbers) != lines && std::ssize(numbers) != lines * frames_)
     throw UsageError(std::to_string(numbers.size()) + " numbers for the lines of an image of " +
                      size_text(width_, height_));
   run("add_lines", width_, [&](Device::Parts& parts, Arguments& arguments) {
     arguments.emplace_back(sent(parts, numbers));
     arguments.emplace_back(std::int32_t{of_rows});
+    arguments.emplace_back(static_cast<std::int32_t>(std::ssize(numbers) == lines ? 0 : lines));
   });
 }
 
@@ -153,12 +193,11 @@ void DeviceImage::digitise(double scale, double offset, double most) {
 template <class Append>
 std::vector<std::uint32_t> DeviceImage::counted(const char* kernel, std::size_t bins, const Append& append) {
   std::vector<std::uint32_t> counts(bins);
-  run(kernel, width_, [&](Device::Parts& parts, Arguments& arguments) {
-    const DeviceMemory& memory = parts.memory(Place::bins, counts.size() * sizeof counts[0]);
-    const auto count = static_cast<std::int64_t>(bins);
-    parts.backend->launch(parts.queue, "clear", {count, 1, 1},
-                          std::array<KernelArgument, 2>{memory, static_cast<std::int32_t>(count)});
+  run_chosen(kernel, [&](Device::Parts& parts, Arguments& arguments) {
+    const DeviceMemory& memory = parts.memory(Place::bins, bins * sizeof counts[0]);
+    clear(parts, memory, bins);
     arguments.emplace_back(memory);
+    arguments.emplace_back(chosen_);
     append(arguments);
   });
   on_device([&](Device::Parts& parts) {
@@ -195,8 +234,9 @@ std::vector<std::uint32_t> DeviceImage::histogram(double low, double scale, std:
 }
 
 void DeviceImage::tone(std::span<const float> levels, double low, double scale) {
-  run("tone", width_, [&](Device::Parts& parts, Arguments& arguments) {
+  run_chosen("tone", [&](Device::Parts& parts, Arguments& arguments) {
     arguments.emplace_back(sent(parts, levels));
+    arguments.emplace_back(chosen_);
     arguments.emplace_back(static_cast<std::int32_t>(levels.size() - 1));
     arguments.emplace_back(low);
     arguments.emplace_back(scale);
@@ -206,23 +246,31 @@ void DeviceImage::tone(std::span<const float> levels, double low, double scale) 
 void DeviceImage::round_to_bytes() { values_ = Values::bytes; }
 
 DeviceImage::Held DeviceImage::download(ImageView<float> out, int threads) {
-  Counts counts{};
+  return download(std::span(&out, 1), threads).front();
+}
+
+std::vector<DeviceImage::Held> DeviceImage::download(std::span<const ImageView<float>> out, int threads) {
+  if (std::ssize(out) != frames_)
+    throw UsageError(std::to_string(out.size()) + " images for a batch of " + std::to_string(frames_) + " frames");
+  const auto pixels = static_cast<std::size_t>(frames_ * width_ * height_);
+  std::vector<Counts> counts(out.size());
   const auto fetch = [&]<class T>(Place place, T) {
-    const PinnedMemory* pixels = nullptr;
+    const PinnedMemory* fetched = nullptr;
     on_device([&](Device::Parts& parts) {
-      const std::size_t bytes = static_cast<std::size_t>(width_ * height_) * sizeof(T);
-      pixels = &parts.pinned(1, bytes);
-      parts.backend->download(parts.queue, parts.memory(place, bytes), pixels->data, bytes);
-      parts.backend->download(parts.queue, counts_of(parts), counts.data(), sizeof counts);
+      const std::size_t bytes = pixels * sizeof(T);
+      fetched = &parts.pinned(1, bytes);
+      parts.backend->download(parts.queue, parts.memory(place, bytes), fetched->data, bytes);
+      parts.backend->download(parts.queue, counts_of(parts), counts.data(), counts.size() * sizeof(Counts));
       parts.backend->finish(parts.queue);
     });
-    const T* const from = static_cast<const T*>(pixels->data);
-    parallel_for_each(height_, 64, threads,
-                      [&](std::int64_t y) { std::copy_n(from + y * width_, width_, out.row(y)); });
+    const T* const from = static_cast<const T*>(fetched->data);
+    parallel_for_each(frames_ * height_, 64, threads, [&](std::int64_t y) {
+      std::copy_n(from + y * width_, width_, out[static_cast<std::size_t>(y / height_)].row(y % height_));
+    });
   };
   const auto fetch_whole = [&]<class T>(const char* kernel, T number) {
     run(kernel, width_, [&](Device::Parts& parts, Arguments& arguments) {
-      arguments.emplace_back(parts.memory(Place::whole, static_cast<std::size_t>(width_ * height_) * sizeof number));
+      arguments.emplace_back(parts.memory(Place::whole, pixels * sizeof number));
       arguments.emplace_back(counts_of(parts));
     });
     fetch(Place::whole, number);
@@ -230,8 +278,12 @@ DeviceImage::Held DeviceImage::download(ImageView<float> out, int threads) {
   const Values values = values_;
   if (values == Values::bytes) fetch_whole("whole_bytes", std::uint8_t{});
   if (values == Values::words) fetch_whole("whole_words", std::uint16_t{});
-  if (values == Values::floats || counts[3] > 0) fetch(Place::image, float{});
-  return {counts[0], counts[1], counts[2]};
+  const auto has_none = [](const Counts& of_frame) { return of_frame[3] > 0; };
+  if (values == Values::floats || std::ranges::any_of(counts, has_none))
+    fetch(frames_ > 1 ? Place::frames : Place::image, float{});
+  std::vector<Held> held;
+  for (const Counts& of_frame : counts) held.push_back({of_frame[0], of_frame[1], of_frame[2]});
+  return held;
 }
 
 }  // namespace mtf

@@ -15,6 +15,7 @@ typedef ulong u64;
 #endif
 #define GX ((int)get_global_id(0))
 #define GY ((int)get_global_id(1))
+#define GZ ((int)get_global_id(2))
 #define FUSED(a, b, c) fma((float)(a), (float)(b), (float)(c))
 #define BITS_OF(x) as_int((float)(x))
 #define FLOAT_OF(x) as_float((int)(x))
@@ -27,6 +28,7 @@ typedef unsigned long long u64;
 #define DOUBLES
 #define GX ((int)(blockIdx.x * blockDim.x + threadIdx.x))
 #define GY ((int)(blockIdx.y * blockDim.y + threadIdx.y))
+#define GZ ((int)(blockIdx.z * blockDim.z + threadIdx.z))
 #define FUSED(a, b, c) fmaf(a, b, c)
 #define BITS_OF(x) __float_as_int(x)
 #define FLOAT_OF(x) __int_as_float(x)

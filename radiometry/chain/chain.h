@@ -151,6 +151,18 @@ class Chain {
                  int threads = 0, ChainState* state = nullptr, std::int64_t noise_rows = 1,
                  bool whole_levels = false) const;
 
+  /// Numbers of frames: `count` of them from `first` on.
+  struct Batch {
+    std::uint32_t first = 0, step = 1;
+    std::int64_t count = 1;
+  };
+  /// Frames of a scene that comes again, each of which stands for itself: bit for bit what run() gives for one after
+  /// the other, in one submission where a device does all of the work on them. Their times are shares of the whole.
+  std::vector<ChainFrame> run_batch(mtf::KeptScene& radiance, const Batch& batch, OutputStage stage,
+                                    double border_value = 0.0, int threads = 0, bool whole_levels = false) const;
+  /// How many frames are best run so: 1 where the processor does a part of the work. Call prepare() first.
+  std::int64_t batch_size(OutputStage stage) const;
+
   /// Electrons for one unit of weighted radiance, on the axis.
   double electrons_per_radiance() const;
 

@@ -276,11 +276,14 @@ struct FrameRun {
   bool may_stay = false;                          ///< on the device that filters it, until a stage has no step there
   mtf::Image given{};                             ///< the scene of a frame that has stayed there, unless it is kept
   std::unique_ptr<mtf::DeviceImage> on_device{};  ///< the frame, while it is there
+  std::vector<ChainFrame> others{};               ///< of a batch, beside `frame`, once they are back
 
   /// Notes the time since the last lap; times of a stage that runs for several positions add up.
   void lap(std::string_view stage);
   void run(StageRow::Part part, mtf::Image& image);
-  /// Brings a frame back that is on a device.
+  /// How many frames are on their way together: a batch stays on the device to its end.
+  std::int64_t frames() const { return on_device ? on_device->frames() : 1; }
+  /// Brings back what is on a device.
   void bring_back(mtf::Image& image);
   /// The stages after the sampling and the optics, up to an output stage.
   void run_to(OutputStage stage);

@@ -420,6 +420,97 @@ TEST(DeviceChain, AKeptSceneGivesTheSameFrames) {
               0);
 }
 
+// A batch is bit for bit its frames one by one, whatever they are numbered, at every stage.
+TEST(DeviceChain, ABatchIsItsFramesOneByOne) {
+  if (!open_tested_device()) GTEST_SKIP() << "no device";
+  mtf::System<double> optics = test::mwir_system();
+  optics.add(mtf::Stage::presample, mtf::test::gaussian(9.0));
+  Sensor sensor = all_stages();
+  sensor.settings.correction = CorrectionSettings{.frames = 2};
+  sensor.settings.agc = AutomaticGain{.method = GainMethod::plateau, .polarity = Polarity::black_hot};
+  const Chain chain = chain_of(optics, sensor, 240, 180, 7.5, mtf::Method::fft_device, {open_tested_device(), true});
+  std::vector<mtf::Image> planes;
+  planes.push_back(scene(240, 180));
+  mtf::KeptScene kept(std::make_shared<const std::vector<mtf::Image>>(std::move(planes)));
+  EXPECT_EQ(chain.batch_size(OutputStage::radiance), 1);
+  EXPECT_EQ(chain.batch_size(OutputStage::display), 1) << "before the correction is measured";
+  chain.prepare(OutputStage::display);
+  for (const OutputStage stage : {OutputStage::electrons, OutputStage::dn, OutputStage::display})
+    for (const auto& [first, step, count] :
+         {std::tuple{0U, 1U, 5}, {7U, 3U, 2}, {0xfffffffeU, 1U, 3}, {9U, 1U, 1}, {0U, 1U, 40}})
+      for (const bool whole : {false, true}) {
+        EXPECT_GT(chain.batch_size(stage), 1);
+        const std::vector<ChainFrame> frames = chain.run_batch(kept, {first, step, count}, stage, 0.0, 2, whole);
+        ASSERT_EQ(std::ssize(frames), count);
+        for (int i = 0; i<count; i += count> 10 ? 13 : 1) {
+          const ChainFrame& made = frames[static_cast<std::size_t>(i)];
+          const ChainFrame alone =
+              chain.run(kept, first + static_cast<std::uint32_t>(i) * step, stage, 0.0, 1, nullptr, 1, whole);
+          EXPECT_EQ(unequal(made.image, alone.image), 0) << i;
+          EXPECT_EQ(made.held, alone.held);
+          EXPECT_EQ(made.held_defects, alone.held_defects);
+          EXPECT_EQ(made.well.high, alone.well.high);
+          EXPECT_EQ(made.adc.low, alone.adc.low);
+          EXPECT_EQ(made.adc.high, alone.adc.high);
+          EXPECT_EQ(made.noise_rows, alone.noise_rows);
+          EXPECT_EQ(made.timing_ms.size(), alone.timing_ms.size());
+        }
+        if (count > 1) {
+          EXPECT_GT(unequal(frames[0].image, frames[1].image), 1000) << "the noise is not that of one frame";
+        }
+      }
+}
+
+// What cannot be done together is done one by one: stages of the processor, memory that is missing, a device that is
+// lost; whoever insists on it hears of that.
+TEST(DeviceChain, ABatchThatTheDeviceCannotDoIsDoneAllTheSame) {
+  const auto info = mtf::test::tested_device();
+  if (!info) GTEST_SKIP() << "no device";
+  mtf::System<double> optics = test::mwir_system();
+  optics.add(mtf::Stage::presample, mtf::test::gaussian(9.0));
+  std::vector<mtf::Image> planes;
+  planes.push_back(scene(240, 180));
+  const auto shared = std::make_shared<const std::vector<mtf::Image>>(std::move(planes));
+  Sensor with_defects = all_stages();
+  with_defects.settings.defects = Defects{.dead_fraction = 0.01, .hot_fraction = 0.01, .hot_e = 1e5};
+  const Chain chain =
+      chain_of(optics, with_defects, 240, 180, 7.5, mtf::Method::fft_device, {open_tested_device(), true});
+  const Chain processor = chain_of(optics, all_stages(), 240, 180, 7.5, mtf::Method::fft_float, {});
+  EXPECT_EQ(chain.batch_size(OutputStage::dn), 1);
+  EXPECT_EQ(processor.batch_size(OutputStage::dn), 1);
+  for (const Chain* one : {&chain, &processor}) {
+    mtf::KeptScene kept(shared);
+    const std::vector<ChainFrame> frames = one->run_batch(kept, {3, 1, 2}, OutputStage::dn);
+    for (const std::uint32_t i : {0U, 1U})
+      EXPECT_EQ(unequal(frames[i].image, one->run(kept, 3 + i, OutputStage::dn).image), 0);
+  }
+  for (const bool insisted : {true, false}) {
+    const auto device = mtf::open_device(*info, mtf::DeviceFault::chain);
+    const Chain lost = chain_of(optics, all_stages(), 240, 180, 7.5, mtf::Method::fft_device, {device, insisted});
+    mtf::KeptScene kept(shared), again(shared);
+    if (insisted) {
+      EXPECT_THROW(lost.run_batch(kept, {0, 1, 3}, OutputStage::dn), mtf::DeviceError);
+      continue;
+    }
+    const std::vector<ChainFrame> frames = lost.run_batch(kept, {0, 1, 3}, OutputStage::dn);
+    ASSERT_EQ(frames.size(), 3U);
+    for (std::uint32_t i = 0; i < 3; ++i)
+      EXPECT_LT(unequal(frames[i].image, processor.run(again, i, OutputStage::dn).image),
+                frames[i].image.size() / 1000);
+    EXPECT_TRUE(device->failure());
+  }
+}
+
+TEST(DeviceImage, BatchesHaveTheRoomThatTheDeviceHas) {
+  mtf::DeviceInfo info;
+  info.bytes = info.largest_bytes = std::int64_t{1} << 30;
+  EXPECT_TRUE(mtf::DeviceImage::has_room(info, 640, 512, 16));
+  EXPECT_FALSE(mtf::DeviceImage::has_room(info, 8192, 8192, 2));
+  info.largest_bytes = 1 << 20;
+  EXPECT_FALSE(mtf::DeviceImage::has_room(info, 640, 512, 1));
+  EXPECT_FALSE(mtf::DeviceImage::has_room(info, std::int64_t{1} << 29, 4, 16));
+}
+
 // Also of a sequence that remembers, and of a scene that comes again.
 TEST(DeviceChain, IsDoneByTheProcessorWhereTheDeviceFails) {
   const auto info = mtf::test::tested_device();

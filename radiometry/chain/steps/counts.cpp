@@ -116,19 +116,22 @@ std::span<const StageRow> count_rows() {
        },
        .step_on_device = [](FrameRun& run, mtf::DeviceImage& image) -> void {
          const AutomaticGain& agc = *run.chain.settings.agc;
-         const std::vector<std::uint32_t> order = image.order();
-         const auto value_at = [&](std::int64_t rank) { return static_cast<double>(image.value_at(rank, order)); };
-         const ToneCurve curve =
-             tone_curve({.finite = std::reduce(order.begin(), order.end(), std::int64_t{0}),
-                         .values_at = [&](const auto& ranks) -> std::array<double, 2> {
-                           return {value_at(ranks[0]), value_at(ranks[1])};
-                         },
-                         .histogram = [&](double low, double scale, std::int64_t bins) -> std::vector<std::int64_t> {
-                           const std::vector<std::uint32_t> counts = image.histogram(low, scale, bins);
-                           return {counts.begin(), counts.end()};
-                         }},
-                        agc);
-         image.tone(curve.level, curve.low, curve.scale());
+         for (std::int64_t frame = 0; frame < image.frames(); ++frame) {
+           image.choose(frame);
+           const std::vector<std::uint32_t> order = image.order();
+           const auto value_at = [&](std::int64_t rank) { return static_cast<double>(image.value_at(rank, order)); };
+           const ToneCurve curve =
+               tone_curve({.finite = std::reduce(order.begin(), order.end(), std::int64_t{0}),
+                           .values_at = [&](const auto& ranks) -> std::array<double, 2> {
+                             return {value_at(ranks[0]), value_at(ranks[1])};
+                           },
+                           .histogram = [&](double low, double scale, std::int64_t bins) -> std::vector<std::int64_t> {
+                             const std::vector<std::uint32_t> counts = image.histogram(low, scale, bins);
+                             return {counts.begin(), counts.end()};
+                           }},
+                          agc);
+           image.tone(curve.level, curve.low, curve.scale());
+         }
          const auto most = static_cast<float>(agc.most_level);
          if (agc.polarity == Polarity::black_hot) image.multiply_add({{}, -1.0F}, {{}, most});
          if (run.whole_levels && most == 255.0F) image.round_to_bytes();
