@@ -34,6 +34,9 @@
 namespace apps {
 namespace {
 
+/// PlanReport::method of the founding paper's rhombus where the device filters with it.
+constexpr std::string_view kDiamondOnDevice = "diamond_device";
+
 // The results of `mtf bench`, as a table for people, CSV and JSON for programs, and the chart of error against time.
 
 struct BenchRow {
@@ -192,6 +195,7 @@ std::optional<Figure> bench_figure(const BenchReport& report) {
   // All methods in one order, present or not, so that each has the same symbol in every chart.
   std::vector<std::string_view> methods(mtf::kMethodNames.begin(), mtf::kMethodNames.end());
   methods.insert(methods.end(), kRivalNames.begin(), kRivalNames.end());
+  methods.push_back(kDiamondOnDevice);
   for (std::size_t i = 0; i < methods.size(); ++i) {
     Series series{.name = std::string(methods[i]), .mark = Mark::points, .style = i};
     for (const BenchRow& row : report.rows) {
@@ -247,10 +251,12 @@ class Climber {
     }
     add(tolerance, *chosen, watch.ms(), true);
     const mtf::PlanReport& report = chosen->presample.report();
-    std::set<mtf::Method> seen;
+    std::set<std::string_view> seen;
     for (const mtf::Candidate& candidate : report.candidates) {
-      const std::string_view name = mtf::kMethodNames[static_cast<std::size_t>(candidate.method)];
-      if (!candidate.possible || name == report.method || !seen.insert(candidate.method).second) continue;
+      const bool moved = candidate.method == mtf::Method::direct_diamond && is_on_device(candidate);
+      const std::string_view name =
+          moved ? kDiamondOnDevice : mtf::kMethodNames[static_cast<std::size_t>(candidate.method)];
+      if (!candidate.possible || name == report.method || !seen.insert(name).second) continue;
       if (candidate.cost_ms > slowest_ms_) {
         leave_out(std::string(name), "a run takes about " + fixed(1e-3 * candidate.cost_ms, 1) + " s; see --seconds");
         continue;
@@ -260,7 +266,9 @@ class Climber {
         continue;
       }
       try {
-        another_way(tolerance, *chosen, candidate.method, options);
+        mtf::PlanOptions how = options;
+        if (!is_on_device(candidate)) how.device = {};
+        another_way(tolerance, *chosen, candidate.method, how);
       } catch (const mtf::UsageError& refusal) {
         leave_out(std::string(name), refusal.what());
       }
@@ -317,8 +325,7 @@ class Climber {
     Contender contender;
     contender.method = report.method;
     for (const mtf::Candidate& candidate : report.candidates)
-      if (candidate.reason.empty() && mtf::kMethodNames[static_cast<std::size_t>(candidate.method)] == contender.method)
-        contender.detail = candidate.detail;
+      if (candidate.reason.empty()) contender.detail = candidate.detail;
     if (plan.post) contender.detail += "; then " + plan.post->report().method;
     contender.size = report.size;
     contender.bytes = report.otf_bytes + report.run_bytes;
@@ -369,6 +376,11 @@ class Climber {
                     .memory_mib = static_cast<double>(contender.bytes) / 1048576.0});
     if (index == contenders.size()) contenders.push_back(std::move(contender));
     return rows.back();
+  }
+
+  bool is_on_device(const mtf::Candidate& candidate) const {
+    const auto& device = job_.options.device.device;
+    return device && candidate.detail.ends_with(" on " + device->info().name);
   }
 
   void leave_out(const std::string& method, const std::string& reason) {

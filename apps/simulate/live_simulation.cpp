@@ -58,6 +58,7 @@ struct LiveSimulation::State {
     radiometry::ChainState remembering;  // what pixels remember says nothing of those of another grid
     if (remembered && goes_on && chain_grid == frame.plan->out()) remembering = clone(chain_state);
     frame.image.frame = frame.number;
+    frame.whole_levels = takes_whole_levels(options);
     frame.image.planes = run_planes(frame, remembered ? &remembering : nullptr, options.threads);
     if (frame.counted.held.any()) frame.warnings.push_back(words(frame.counted.held));
     frame.image.metadata = metadata_of(frame);

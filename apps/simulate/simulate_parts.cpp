@@ -20,13 +20,27 @@ std::vector<mtf::Image> through_chain(Frame& frame, radiometry::ChainState* stat
   const radiometry::OutputStage stage = frame.sensor.chain()->stage;
   frame.counted = at_its_place(frame.sensor.config(), [&] {
     if (frame.kept != nullptr)
-      return frame.chain->run(*frame.kept, number, stage, input.border_value, threads, state, frame.noise_rows);
+      return frame.chain->run(*frame.kept, number, stage, input.border_value, threads, state, frame.noise_rows,
+                              frame.whole_levels);
     mtf::Image light =
         frame.own != nullptr ? std::move(frame.own->scene.planes.front()) : input.scene.planes.front().clone();
-    return frame.chain->run(std::move(light), number, stage, input.border_value, threads, state);
+    return frame.chain->run(std::move(light), number, stage, input.border_value, threads, state, frame.whole_levels);
   });
   std::vector<mtf::Image> images;
   images.push_back(std::move(frame.counted.image));
+  return images;
+}
+
+/// What the chain or the plan has made, as it is handed on.
+std::vector<mtf::Image> finished(const Frame& frame, std::vector<mtf::Image> images, int threads) {
+  const SceneInput& input = *frame.input;
+  for (std::size_t c = 0; c < images.size(); ++c) {
+    const mtf::Image& mask = input.masks[c];
+    if (mask.size() > 0)
+      mtf::propagate_bad_pixels(*frame.plan, mask, frame.plan->options.tolerance, threads, images[c].view());
+    if (frame.region) images[c] = cropped(images[c], *frame.region);
+    if (mask.size() == 0 && !mtf::all_finite(images[c].view())) refuse_overflow(input.scene.names[c]);
+  }
   return images;
 }
 
@@ -202,6 +216,11 @@ Written deliver(const SimulateOptions& options, const std::string& file, const s
   return written;
 }
 
+bool takes_whole_levels(const SimulateOptions& options) {
+  return !options.out.empty() && !options.range && !options.keep_images &&
+         !mtf::io::holds_floats(mtf::io::format_from_extension(options.out));
+}
+
 void RunWatch::Caller::tell(const SimulateEvent& event) {
   const std::scoped_lock guard(lock_);
   if (watch_ && !watch_(event)) throw Cancelled("the run was cancelled by its caller");
@@ -264,16 +283,25 @@ std::shared_ptr<const radiometry::Chain> chain_of(const SensorRun& sensor, const
 }
 
 std::vector<mtf::Image> run_planes(Frame& frame, radiometry::ChainState* state, int threads) {
-  const SceneInput& input = *frame.input;
-  std::vector<mtf::Image> images = frame.chain ? through_chain(frame, state, threads) : filtered(frame, threads);
-  for (std::size_t c = 0; c < images.size(); ++c) {
-    const mtf::Image& mask = input.masks[c];
-    if (mask.size() > 0)
-      mtf::propagate_bad_pixels(*frame.plan, mask, frame.plan->options.tolerance, threads, images[c].view());
-    if (frame.region) images[c] = cropped(images[c], *frame.region);
-    if (mask.size() == 0 && !mtf::all_finite(images[c].view())) refuse_overflow(input.scene.names[c]);
+  return finished(frame, frame.chain ? through_chain(frame, state, threads) : filtered(frame, threads), threads);
+}
+
+void run_batch(std::span<const std::shared_ptr<Frame>> frames, int threads) {
+  const Frame& first = *frames.front();
+  const SceneInput& input = *first.input;
+  mtf::KeptScene scene({first.input, &input.scene.planes});
+  const std::int64_t step = frames.size() > 1 ? frames[1]->number - first.number : 1;
+  std::vector<radiometry::ChainFrame> made = at_its_place(first.sensor.config(), [&] {
+    return first.chain->run_batch(
+        scene, {static_cast<std::uint32_t>(first.number), static_cast<std::uint32_t>(step), std::ssize(frames)},
+        first.sensor.chain()->stage, input.border_value, threads, first.whole_levels);
+  });
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    std::vector<mtf::Image> images;
+    images.push_back(std::move(made[i].image));
+    frames[i]->counted = std::move(made[i]);
+    frames[i]->image.planes = finished(*frames[i], std::move(images), threads);
   }
-  return images;
 }
 
 mtf::io::Metadata metadata_of(const Frame& frame) {

@@ -10,6 +10,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -86,6 +87,9 @@ std::shared_ptr<const mtf::SceneSpectrum> spectrum_of_all(const mtf::io::Scene& 
 /// scaled. Throws as write_sensor_image.
 Written deliver(const SimulateOptions& options, const std::string& file, const std::vector<std::string>& names,
                 SimulatedImage& image, const IntegerRange& range);
+
+/// True where images go to files of whole numbers alone, which have no more of a display of levels to 255 than these.
+bool takes_whole_levels(const SimulateOptions& options);
 
 // What a run tells its caller, from whatever thread: one event at a time, and the run ends where the caller says so.
 
@@ -186,6 +190,7 @@ struct Frame {
   SceneInput* own = nullptr;                          ///< `input`, where no other frame has it: its planes are used up
   mtf::KeptScene* kept = nullptr;                     ///< of a scene that comes again: the planes of `input`
   std::int64_t noise_rows = 1;                        ///< of a kept scene: see radiometry::Chain::run
+  bool whole_levels = false;                          ///< are enough: see there
   std::optional<std::array<std::int64_t, 4>> region;  ///< of the image that is wanted, where it is not all of it
   std::shared_ptr<const mtf::SensorPlan> plan;
   std::optional<mtf::TiledSensorPlan> tiles;          ///< takes less time than `plan`, of which it is made
@@ -214,6 +219,10 @@ std::shared_ptr<const radiometry::Chain> chain_of(const SensorRun& sensor, const
 /// The planes of a frame that has its input, its plan and its chain. `state`: of the sequence, for a sensor whose
 /// frames leave something to the next, else null. Throws RuntimeError for values that float32 does not hold.
 std::vector<mtf::Image> run_planes(Frame& frame, radiometry::ChainState* state, int threads);
+
+/// The same of several frames of one scene by one chain, their numbers equally far apart, that stand for themselves, in
+/// batches where a device makes them (radiometry::Chain::run_batch). Puts the planes into their images.
+void run_batch(std::span<const std::shared_ptr<Frame>> frames, int threads);
 
 /// What is stored with the image of one frame of several.
 mtf::io::Metadata metadata_of(const Frame& frame);

@@ -12,6 +12,7 @@
 #include "mtf/device/device_filter.h"
 #include "mtf/device/device_image.h"
 #include "mtf/device/device_parts.h"
+#include "mtf/device/device_taps.h"
 #include "mtf/engines/fft/fftw.h"
 #include "mtf/units.h"
 #include "mtf/words.h"
@@ -180,6 +181,41 @@ double error_of(const Trial& trial, const Image& scene, const Image& image) {
   return std::sqrt(squares / static_cast<double>(image.size()) / (about_mean / static_cast<double>(scene.size())));
 }
 
+/// A rhombus of 41 taps on a scene, against the processor's sums, and its time.
+void try_taps(const std::shared_ptr<const Device>& device, const Image& scene) {
+  Device::Parts& parts = device->parts();
+  constexpr std::int64_t kHalf = 4, kCount = 2 * kHalf + 1, kUsed = 2 * kHalf * (kHalf + 1) + 1;
+  const TapAxis x{scene.width(), scene.width(), 1, -kHalf, kCount},
+      y{scene.height(), scene.height(), 1, -kHalf, kCount};
+  std::vector<float> taps;
+  for (std::int64_t r = -kHalf; r <= kHalf; ++r)
+    for (std::int64_t t = -kHalf; t <= kHalf; ++t)
+      taps.push_back(std::abs(r) + std::abs(t) > kHalf ? 0.0F
+                                                       : static_cast<float>(1 + (5 * r + 3 * t + 100) % 7) / 164.0F);
+  Image image(scene.width(), scene.height()), expected(scene.width(), scene.height());
+  const auto channel_to = [&](Image& out) {
+    return Channel{.in = scene.view(), .out = out.view(), .mean = static_cast<double>(kMean)};
+  };
+  make_direct_engine(x, y, Border::reflect, taps)->run({channel_to(expected)}, 1);
+  const auto there = make_device_taps(device, x, y, Border::reflect, taps);
+  double least = std::numeric_limits<double>::infinity(), squares = 0.0, about_mean = 0.0;
+  parts.kernels_ms = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    there->run({channel_to(image)}, 1);
+    least = std::min(least, *parts.kernels_ms);
+  }
+  parts.kernels_ms.reset();
+  parts.tap_ns = 1e6 * least / static_cast<double>(kUsed * scene.size());
+  for (std::int64_t i = 0; i < scene.size(); ++i) {
+    squares += std::pow(static_cast<double>(image.data()[i]) - static_cast<double>(expected.data()[i]), 2);
+    about_mean += std::pow(static_cast<double>(scene.data()[i]) - static_cast<double>(kMean), 2);
+  }
+  if (const double rms = std::sqrt(squares / about_mean); !(rms <= kMostRms))
+    throw DeviceError("its sums of " + std::to_string(kUsed) + " samples differ from the processor's by " +
+                      significant(rms, 2) + " of their standard deviation, rms, against " + significant(kMostRms, 1) +
+                      " allowed");
+}
+
 /// Milliseconds from ordinary memory to the device, or back: the least of a few.
 double transfer_ms(Device::Parts& parts, std::size_t bytes, bool up) {
   const PinnedMemory& pinned = parts.pinned(0, bytes);
@@ -238,6 +274,7 @@ void admit(const std::shared_ptr<const Device>& device) {
     constexpr double kMargin = 2.0;  // of an error that two scenes have shown
     parts.test.rounding = std::max(parts.test.rounding, kMargin * rms / (0x1p-24 * rounding_units(trial.x, trial.y)));
   }
+  try_taps(device, scene_of(all[1]));
   const std::scoped_lock lock(parts.lock);
   parts.fault = asked;
   constexpr std::size_t kLarge = std::size_t{4} << 20, kSmall = 4096;

@@ -5,8 +5,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "mtf/device/device_image.h"
-#include "mtf/device/device_parts.h"
+#include "mtf/device/device_planes.h"
 #include "mtf/engines/kept_plane.h"
 #include "mtf/engines/mean_and_deviation.h"
 #include "mtf/parallel.h"
@@ -70,19 +69,23 @@ TermLists<T> listed(const AxisTransform& job, std::int64_t targets, auto make) {
 class DeviceFilter final : public SpectralFilter {
  public:
   DeviceFilter(std::shared_ptr<const Device> device, const AxisTransform& x, const AxisTransform& y, DeviceOtf otf)
-      : device_(std::move(device)), x_(x), y_(y), complex_(otf.complex), gain_(gain_of(otf)) {
-    Device::Parts& parts = device_->parts();
+      : planes_(std::move(device), {x.samples, y.samples}, {x.outputs, y.outputs}),
+        x_(x),
+        y_(y),
+        complex_(otf.complex),
+        gain_(gain_of(otf)) {
+    Device::Parts& parts = planes_.parts();
     const std::scoped_lock lock(parts.lock);
     const double scale = 1.0 / (static_cast<double>(x.frequency.length) * static_cast<double>(y.frequency.length));
     for (float& value : otf.values) value *= static_cast<float>(scale);
-    otf_ = sent(otf.values);
-    from_x_ = sent(narrowed(canvas_sources(x)));
-    from_y_ = sent(narrowed(canvas_sources(y)));
+    otf_ = planes_.sent(otf.values);
+    from_x_ = planes_.sent(narrowed(canvas_sources(x)));
+    from_y_ = planes_.sent(narrowed(canvas_sources(y)));
     const auto terms_x = listed<DeviceTermX>(x, half_of(x.out_length), [](const Term& term) {
       return DeviceTermX{term.k, static_cast<float>(term.re), static_cast<float>(term.im)};
     });
-    first_x_ = sent(terms_x.first);
-    terms_x_ = sent(terms_x.terms);
+    first_x_ = planes_.sent(terms_x.first);
+    terms_x_ = planes_.sent(terms_x.terms);
     std::vector<std::int32_t> row_of(size_of(2 * y.keep - 1));  // of the OTF, from frequency -(keep - 1) on
     std::int32_t rows = 0;
     for (const std::int64_t k : otf_frequencies(y)) row_of[size_of(k + y.keep - 1)] = rows++;
@@ -95,8 +98,8 @@ class DeviceFilter final : public SpectralFilter {
                          static_cast<float>(term.re),
                          static_cast<float>(term.im)};
     });
-    first_y_ = sent(terms_y.first);
-    terms_y_ = sent(terms_y.terms);
+    first_y_ = planes_.sent(terms_y.first);
+    terms_y_ = planes_.sent(terms_y.terms);
     parts.fft(forward());  // which take long to make
     parts.fft(inverse());
   }
@@ -104,27 +107,10 @@ class DeviceFilter final : public SpectralFilter {
   void run(const std::vector<Channel>& channels, int threads) const override {
     std::vector<Channel> about;
     for (const Channel& channel : channels) about.push_back(about_its_mean(channel, threads));
-    Device::Parts& parts = device_->parts();
-    std::unique_lock lock(parts.lock);
-    if (parts.lost) throw DeviceError(parts.info.name + " does not run again: " + *parts.failure);
-    try {
-      if (parts.fault == DeviceFault::run) throw DeviceError("a fault that was asked for");
-      if (parts.fault == DeviceFault::memory) throw DeviceMemoryError("no memory left, as was asked for");
-      for (std::size_t c = 0; c < about.size(); ++c) filter(about[c], c + 1, threads);
-    } catch (const DeviceError& error) {
-      parts.fail(error);
-    }
-    if (stays(about.front())) {
-      *about.front().stays = std::make_unique<DeviceImage>(device_, x_.outputs, y_.outputs, std::move(lock));
-      return;
-    }
-    // Nothing is written before all has been filtered: whoever takes over finds the planes as they were.
-    for (std::size_t c = 0; c < about.size(); ++c) deliver(about[c], parts.pinned(c + 1, image_bytes()), threads);
+    planes_.run(about, threads, [this](const DevicePlane& plane) { filter(plane); });
   }
 
-  std::int64_t run_bytes(std::int64_t channels, int) const override {
-    return static_cast<std::int64_t>(scene_bytes()) + channels * static_cast<std::int64_t>(image_bytes());
-  }
+  std::int64_t run_bytes(std::int64_t channels, int) const override { return planes_.bytes(channels); }
   std::int64_t filter_bytes() const override { return static_cast<std::int64_t>(otf_->bytes); }
   double largest_gain() const override { return gain_; }
 
@@ -145,13 +131,6 @@ class DeviceFilter final : public SpectralFilter {
   }
   FftShape forward() const { return {x_.frequency.length, y_.frequency.length, 1, true}; }
   FftShape inverse() const { return {x_.out_length, y_.out_length, 1, false}; }
-  std::size_t scene_bytes() const { return size_of(4 * x_.samples * y_.samples); }
-  std::size_t image_bytes() const { return size_of(4 * x_.outputs * y_.outputs); }
-
-  /// Whether differences or products may leave the range of float, or be so small that a device takes them for 0. The
-  /// host then scales the plane.
-  static bool is_extreme(const Channel& channel) { return std::abs(std::ilogb(channel.scale)) > 100; }
-  static bool stays(const Channel& channel) { return channel.stays != nullptr && !is_extreme(channel); }
 
   /// With the mean of all samples, which a plane that comes again is read for once.
   Channel about_its_mean(Channel channel, int threads) const {
@@ -164,93 +143,26 @@ class DeviceFilter final : public SpectralFilter {
     return channel;
   }
 
-  /// The samples on the device: as they are, or about the mean (`on_host`).
-  const DeviceMemory& sent_scene(const Channel& channel, bool on_host, int threads) const {
-    Device::Parts& parts = device_->parts();
-    KeptOnDevice* const kept = channel.kept != nullptr && !on_host ? &channel.kept->on_device : nullptr;
-    if (kept != nullptr && kept->device == device_) return *static_cast<const DeviceMemory*>(kept->memory.get());
-    const PinnedMemory& from = parts.pinned(0, scene_bytes());
-    parallel_for_each(y_.samples, 64, threads, [&](std::int64_t y) {
-      float* const row = from.floats() + y * x_.samples;
-      if (on_host)
-        kernels::center(channel.in.row(y), x_.samples, channel.mean, channel.scale, row);
-      else
-        std::copy_n(channel.in.row(y), x_.samples, row);
-    });
-    const Memory own = kept != nullptr ? parts.backend->allocate(scene_bytes()) : nullptr;
-    const DeviceMemory& to = own ? *own : parts.memory(Place::scene, scene_bytes());
-    parts.backend->upload(parts.queue, from.data, to, scene_bytes());
-    if (own) {
-      kept->memory = nullptr;  // before the device that it may be of
-      kept->device = device_;
-      kept->memory = own;
-    }
-    return to;
-  }
-
-  template <class T>
-  Memory sent(const std::vector<T>& list) const {
-    Device::Parts& parts = device_->parts();
-    Memory memory = parts.backend->allocate(list.size() * sizeof(T));
-    parts.backend->upload(parts.queue, list.data(), *memory, memory->bytes);
-    parts.backend->finish(parts.queue);
-    return memory;
-  }
-
-  // One plane, to the pinned memory of that number.
-  void filter(const Channel& channel, std::size_t number, int threads) const {
-    Device::Parts& parts = device_->parts();
-    DeviceBackend& device = *parts.backend;
+  void filter(const DevicePlane& plane) const {
+    Device::Parts& parts = planes_.parts();
     const std::int64_t width = x_.frequency.length, height = y_.frequency.length, columns = half_of(width);
     const std::int64_t out_width = x_.out_length, out_height = y_.out_length, out_columns = half_of(out_width);
-    const bool on_host = is_extreme(channel);
-    const DeviceMemory& scene = sent_scene(channel, on_host, threads);
     const DeviceMemory& canvas = parts.memory(Place::canvas, size_of(plane_bytes(width, height)));
     const DeviceMemory& spectrum = parts.memory(Place::spectrum, size_of(plane_bytes(out_width, out_height)));
-    const DeviceMemory& image = parts.memory(Place::image, image_bytes());
-    const auto launch = [&](const char* kernel, std::int64_t x, std::int64_t y,
-                            std::initializer_list<KernelArgument> arguments) {
-      device.launch(parts.queue, kernel, {x, y, 1}, {arguments.begin(), arguments.size()});
-    };
-
-    const double mean = on_host ? 0.0 : channel.mean, scale = on_host ? 1.0 : channel.scale;
-    const double out_mean = on_host ? 0.0 : channel.out_mean();
-    const bool timed = parts.kernels_ms.has_value();
-    const DeviceBackend::Event start = timed ? device.mark(parts.queue) : 0;
-    launch("gather", width, height,
-           {canvas, scene, from_x_, from_y_, narrow(width), narrow(height), narrow(2 * columns), narrow(x_.samples),
-            static_cast<float>(mean), static_cast<float>(scale),
-            static_cast<float>((channel.border_value - channel.mean) * channel.scale)});
+    planes_.launch("gather", width, height,
+                   {canvas, plane.scene, from_x_, from_y_, narrow(width), narrow(height), narrow(2 * columns),
+                    narrow(x_.samples), plane.mean, plane.scale, plane.border});
     parts.fft(forward()).run(canvas);
-    launch("fold", out_columns, out_height,
-           {spectrum, canvas, otf_, first_x_, terms_x_, first_y_, terms_y_, narrow(out_columns), narrow(out_height),
-            narrow(columns), narrow(x_.keep), std::int32_t{complex_}});
+    planes_.launch("fold", out_columns, out_height,
+                   {spectrum, canvas, otf_, first_x_, terms_x_, first_y_, terms_y_, narrow(out_columns),
+                    narrow(out_height), narrow(columns), narrow(x_.keep), std::int32_t{complex_}});
     parts.fft(inverse()).run(spectrum);
-    const float float_mean = static_cast<float>(out_mean);
-    launch("scatter", x_.outputs, y_.outputs,
-           {image, spectrum, narrow(x_.outputs), narrow(y_.outputs), narrow(2 * out_columns),
-            static_cast<float>(1.0 / scale), float_mean, static_cast<float>(out_mean - float_mean)});
-    const DeviceBackend::Event end = timed ? device.mark(parts.queue) : 0;
-    if (stays(channel)) return;
-    const PinnedMemory& to = parts.pinned(number, image_bytes());
-    device.download(parts.queue, image, to.data, image_bytes());
-    device.finish(parts.queue);
-    if (timed) parts.kernels_ms = device.ms_between(start, end);
-    if (parts.fault == DeviceFault::values) to.floats()[0] += static_cast<float>(1.0 / scale);
+    planes_.launch("scatter", x_.outputs, y_.outputs,
+                   {plane.image, spectrum, narrow(x_.outputs), narrow(y_.outputs), narrow(2 * out_columns),
+                    plane.unscale, plane.out_mean, plane.beyond});
   }
 
-  void deliver(const Channel& channel, const PinnedMemory& image, int threads) const {
-    parallel_for_each(y_.outputs, 64, threads, [&](std::int64_t y) {
-      float* const row = image.floats() + y * x_.outputs;
-      if (is_extreme(channel)) kernels::restore(row, x_.outputs, channel.out_mean(), 1.0 / channel.scale, row);
-      if (channel.take)
-        channel.take(y, 0, {row, size_of(x_.outputs)});
-      else
-        std::copy_n(row, x_.outputs, channel.out.row(y));
-    });
-  }
-
-  std::shared_ptr<const Device> device_;  // outlives its memory
+  DevicePlanes planes_;  // its device outlives the memory below
   AxisTransform x_, y_;
   bool complex_;
   double gain_;
@@ -271,11 +183,7 @@ std::string device_obstacle(const DeviceInfo& info, const AxisTransform& x, cons
   }
   const std::int64_t largest = std::max({plane_bytes(x.frequency.length, y.frequency.length),
                                          plane_bytes(x.out_length, y.out_length), otf_bytes(x, y, complex)});
-  const std::int64_t needed = device_bytes(x, y, complex), room = info.bytes / 10 * 9;
-  if (largest <= info.largest_bytes && needed <= room) return "";
-  return "it needs " + format_double(static_cast<double>(needed)) + " bytes on the device, " +
-         format_double(static_cast<double>(largest)) + " of them in one piece; the device gives " +
-         format_double(static_cast<double>(room)) + " and " + format_double(static_cast<double>(info.largest_bytes));
+  return memory_obstacle(info, largest, device_bytes(x, y, complex));
 }
 
 std::int64_t device_bytes(const AxisTransform& x, const AxisTransform& y, bool complex) {
@@ -288,11 +196,8 @@ std::int64_t device_bytes(const AxisTransform& x, const AxisTransform& y, bool c
 
 double device_cost_ms(const Device& device, const AxisTransform& x, const AxisTransform& y) {
   const DeviceTest& test = device.test();
-  const double transfers = 1e-6 * 4.0 *
-                           (test.upload_ns * static_cast<double>(x.samples * y.samples) +
-                            test.download_ns * static_cast<double>(x.outputs * y.outputs));
   const double share = transform_work(x, y) / (0x1p20 * 20.0);
-  return test.transfer_ms + transfers + test.filter_ms[0] +
+  return transfers_ms(test, x.samples * y.samples, x.outputs * y.outputs) + test.filter_ms[0] +
          std::max(0.0, test.filter_ms[1] - test.filter_ms[0]) * share;
 }
 

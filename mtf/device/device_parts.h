@@ -15,6 +15,7 @@ namespace mtf {
 struct Device::Parts {
   DeviceInfo info;
   DeviceTest test;
+  double tap_ns = 0.0;  ///< of a weight of a direct kernel at a pixel (device_taps.h), as the test has measured it
   DeviceFault fault = DeviceFault::none;
   std::unique_ptr<DeviceBackend> backend;
   DeviceBackend::Queue queue = 0;
@@ -25,7 +26,7 @@ struct Device::Parts {
   std::optional<double> kernels_ms;  ///< where it has a value, runs put there the time between the transfers
 
   /// Memory that every run takes again, as large as the largest has needed.
-  enum class Place { scene, canvas, spectrum, image, counts, lines };
+  enum class Place { scene, canvas, spectrum, image, frames, counts, numbers, bins, whole };
   const DeviceMemory& memory(Place place, std::size_t bytes);
   const PinnedMemory& pinned(std::size_t number, std::size_t bytes);
   DeviceFft& fft(const FftShape& shape);
@@ -37,7 +38,7 @@ struct Device::Parts {
 
  private:
   static constexpr std::size_t kMostFfts = 16;
-  std::array<std::shared_ptr<const DeviceMemory>, 6> places_;
+  std::array<std::shared_ptr<const DeviceMemory>, 9> places_;
   std::vector<std::shared_ptr<const PinnedMemory>> pinned_;
   std::vector<std::pair<FftShape, std::shared_ptr<DeviceFft>>> ffts_;  ///< the latest last
   std::vector<std::pair<std::weak_ptr<const Image>, std::shared_ptr<const DeviceMemory>>> maps_;

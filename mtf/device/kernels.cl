@@ -15,6 +15,7 @@ typedef ulong u64;
 #endif
 #define GX ((int)get_global_id(0))
 #define GY ((int)get_global_id(1))
+#define GZ ((int)get_global_id(2))
 #define FUSED(a, b, c) fma((float)(a), (float)(b), (float)(c))
 #define BITS_OF(x) as_int((float)(x))
 #define FLOAT_OF(x) as_float((int)(x))
@@ -27,6 +28,7 @@ typedef unsigned long long u64;
 #define DOUBLES
 #define GX ((int)(blockIdx.x * blockDim.x + threadIdx.x))
 #define GY ((int)(blockIdx.y * blockDim.y + threadIdx.y))
+#define GZ ((int)(blockIdx.z * blockDim.z + threadIdx.z))
 #define FUSED(a, b, c) fmaf(a, b, c)
 #define BITS_OF(x) __float_as_int(x)
 #define FLOAT_OF(x) __int_as_float(x)
@@ -223,5 +225,20 @@ KERNEL void scatter(GLOBAL float* image, GLOBAL const float* canvas, int columns
   const int x = GX, y = GY;
   if (x >= columns || y >= rows) return;
   image[(u64)y * (u64)columns + (u64)x] = (canvas[(u64)y * (u64)stride + (u64)x] * unscale + beyond) + mean;
+}
+
+// A direct kernel (mtf/device/device_taps.h); those taps of row r count from spans[2 r] to spans[2 r + 1] - 1.
+KERNEL void weigh(GLOBAL float* image, GLOBAL const float* canvas, GLOBAL const float* taps, GLOBAL const int* spans,
+                  int columns, int rows, int stride, int ratio_x, int ratio_y, int tap_columns, int tap_rows,
+                  float unscale, float mean, float beyond) {
+  const int x = GX, y = GY;
+  float sum = 0.0f;
+  if (x >= columns || y >= rows) return;
+  for (int r = 0; r < tap_rows; ++r) {
+    GLOBAL const float* const from = canvas + ((u64)(y * ratio_y + r) * (u64)stride + (u64)(x * ratio_x));
+    GLOBAL const float* const row = taps + r * tap_columns;
+    for (int t = spans[2 * r]; t < spans[2 * r + 1]; ++t) sum += row[t] * from[t];
+  }
+  image[(u64)y * (u64)columns + (u64)x] = (sum * unscale + beyond) + mean;
 }
 #endif

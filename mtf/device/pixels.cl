@@ -7,43 +7,99 @@
 #else
 #define COUNT(p) atomicAdd(p, 1u)
 #endif
+typedef unsigned char u8;
+typedef unsigned short u16;
 
-#define PIXEL                                       \
-  const int x = GX, y = GY;                         \
-  if (x >= columns || y >= rows) return;            \
-  const u64 at = (u64)y * (u64)columns + (u64)x
+// The third dimension of the grid counts the frames of a batch (DeviceImage::repeat).
+#define PIXEL_OF(FRAME)                  \
+  const int x = GX, y = GY;              \
+  if (x >= columns || y >= rows) return; \
+  const u64 at = ((u64)(FRAME) * (u64)rows + (u64)y) * (u64)columns + (u64)x
+#define PIXEL PIXEL_OF(GZ)
+
+KERNEL void repeat(GLOBAL float* frames, int columns, int rows, GLOBAL const float* image) {
+  PIXEL;
+  frames[at] = image[(u64)y * (u64)columns + (u64)x];
+}
 
 // image = (g gains + g0) image + (o offsets + o0); 1 in place of a map that is not there.
 KERNEL void multiply_add(GLOBAL float* image, int columns, int rows, GLOBAL const float* gains, int has_gains, float g,
                          float g0, GLOBAL const float* offsets, int has_offsets, float o, float o0) {
   PIXEL;
-  const float gain = has_gains ? gains[at] : 1.0f, offset = has_offsets ? offsets[at] : 1.0f;
+  const u64 of_map = (u64)y * (u64)columns + (u64)x;
+  const float gain = has_gains ? gains[of_map] : 1.0f, offset = has_offsets ? offsets[of_map] : 1.0f;
   image[at] = (g * gain + g0) * image[at] + (o * offset + o0);
 }
 
 KERNEL void add_map(GLOBAL float* image, int columns, int rows, GLOBAL const float* map) {
   PIXEL;
-  image[at] += map[at];
+  image[at] += map[(u64)y * (u64)columns + (u64)x];
 }
 
-// A number for each row, or for each column.
-KERNEL void add_lines(GLOBAL float* image, int columns, int rows, GLOBAL const float* numbers, int of_rows) {
+// A number for each row, or for each column; those of the next frame come `stride` later.
+KERNEL void add_lines(GLOBAL float* image, int columns, int rows, GLOBAL const float* numbers, int of_rows, int stride) {
   PIXEL;
-  image[at] += numbers[of_rows ? y : x];
+  image[at] += numbers[stride * GZ + (of_rows ? y : x)];
+}
+
+KERNEL void clear(GLOBAL u32* counts, int count) {
+  if (GX < count) counts[GX] = 0u;
+}
+
+// Finite pixels by 16 bits, from `shift` on, of a key that rises with their value; shift 0: of those alone whose upper
+// half is `upper`.
+KERNEL void count_keys(GLOBAL const float* image, int columns, int rows, GLOBAL u32* counts, int frame, int shift,
+                       u32 upper) {
+  PIXEL_OF(frame);
+  const u32 bits = (u32)BITS_OF(image[at]), key = (bits & 0x80000000u) != 0 ? ~bits : bits | 0x80000000u;
+  if ((bits & 0x7f800000u) == 0x7f800000u || (shift == 0 && key >> 16 != upper)) return;
+  COUNT(&counts[(key >> shift) & 0xffffu]);
 }
 
 #ifdef DOUBLES
+// The gain (radiometry/stages/processing/agc.cpp): pixels by their bin, and a curve of so many straight intervals.
+KERNEL void count_bins(GLOBAL const float* image, int columns, int rows, GLOBAL u32* counts, int frame, double low,
+                       double scale, int bins) {
+  PIXEL_OF(frame);
+  const double place = ((double)image[at] - low) * scale;
+  if (!(place >= 0.0 && place <= (double)bins)) return;
+  const int bin = (int)place;
+  COUNT(&counts[bin < bins - 1 ? bin : bins - 1]);
+}
+
+KERNEL void tone(GLOBAL float* image, int columns, int rows, GLOBAL const float* levels, int frame, int intervals,
+                 double low, double scale) {
+  PIXEL_OF(frame);
+  const float value = image[at];
+  const double place = ((double)value - low) * scale, most = (double)intervals;
+  const double inside = !(place > 0.0) ? 0.0 : place < most ? place : most;
+  const int interval = (int)inside < intervals ? (int)inside : intervals - 1;
+  const float share = (float)(inside - (double)interval);
+  if (value == value) image[at] = levels[interval] * (1.0f - share) + levels[interval + 1] * share;
+}
+
+// The nearest whole numbers of what is not negative; not-a-number has none, and is counted.
+#define WHOLE_NUMBERS(NAME, T)                                                                            \
+  KERNEL void NAME(GLOBAL const float* image, int columns, int rows, GLOBAL T* whole, GLOBAL u32* counts) { \
+    PIXEL;                                                                                                \
+    const float value = image[at];                                                                        \
+    if (value != value) COUNT(&counts[4 * GZ + 3]);                                                                \
+    whole[at] = value == value ? (T)floor((double)value + 0.5) : (T)0;                                    \
+  }
+WHOLE_NUMBERS(whole_bytes, u8)
+WHOLE_NUMBERS(whole_words, u16)
+
 // A thread for the two pixels that share a block of random words (radiometry/stages/noise/random.h): those of columns
 // 2 half and 2 half + 1 of the detector, at x and x + 1 of the image.
 #define PAIR                                               \
   const int y = GY, x = 2 * GX - (int)(x0 & 1u);             \
   if (x >= columns || y >= rows) return;                   \
-  const u64 at = (u64)y * (u64)columns;                    \
-  const Block w = philox(x0 / 2u + (u32)GX, y0 + (u32)y, frame, stream, k0, k1)
+  const u64 at = ((u64)GZ * (u64)rows + (u64)y) * (u64)columns; \
+  const Block w = philox(x0 / 2u + (u32)GX, y0 + (u32)y, frame + (u32)GZ * step, stream, k0, k1)
 
 // radiometry/stages/noise/noise_lanes.cpp
-KERNEL void add_gaussian(GLOBAL float* image, int columns, int rows, float sigma, u32 x0, u32 y0, u32 frame, u32 stream,
-                         u32 k0, u32 k1) {
+KERNEL void add_gaussian(GLOBAL float* image, int columns, int rows, float sigma, u32 x0, u32 y0, u32 frame, u32 step,
+                         u32 stream, u32 k0, u32 k1) {
   PAIR;
   const int a = (int)(w.x >> 1), b = (int)(w.y >> 1);
   const float radius = root_of(2.0f * minus_log(unit_interval(a, b), unit_interval(0x7fffffff - a, 0x7fffffff - b)));
@@ -131,20 +187,20 @@ FUNCTION float poisson(u32 high, u32 low, float mean) {
   return (float)poisson_double(a, b, (double)mean);
 }
 
-KERNEL void shot_noise(GLOBAL float* image, int columns, int rows, u32 x0, u32 y0, u32 frame, u32 stream, u32 k0,
-                       u32 k1) {
+KERNEL void shot_noise(GLOBAL float* image, int columns, int rows, u32 x0, u32 y0, u32 frame, u32 step, u32 stream,
+                       u32 k0, u32 k1) {
   PAIR;
   if (x >= 0) image[at + (u64)x] = poisson(w.x, w.y, image[at + (u64)x]);
   if (x + 1 < columns) image[at + (u64)(x + 1)] = poisson(w.z, w.w, image[at + (u64)(x + 1)]);
 }
 
 // radiometry/stages/detector: the full well; a response that is not straight; the converter. Pixels that are held at an
-// end are counted: counts[0] at the well, [1] and [2] at the least and the largest count.
+// end are counted, of each frame: at the well, at the least and at the largest count, and those that are no numbers.
 KERNEL void hold_well(GLOBAL float* image, int columns, int rows, GLOBAL u32* counts, float well) {
   PIXEL;
   if (image[at] > well) {
     image[at] = well;
-    COUNT(&counts[0]);
+    COUNT(&counts[4 * GZ]);
   }
 }
 
@@ -163,8 +219,8 @@ KERNEL void digitise(GLOBAL float* image, int columns, int rows, GLOBAL u32* cou
                      double most) {
   PIXEL;
   const double count = floor((double)image[at] * scale + offset);
-  if (count < 0.0) COUNT(&counts[1]);
-  if (count > most) COUNT(&counts[2]);
+  if (count < 0.0) COUNT(&counts[4 * GZ + 1]);
+  if (count > most) COUNT(&counts[4 * GZ + 2]);
   const double held = count < 0.0 ? 0.0 : count;
   image[at] = (float)(held > most ? most : held);
 }

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <functional>
 #include <limits>
 #include <utility>
 
@@ -47,7 +48,7 @@ std::vector<MethodCandidate> identity_candidates(const PlanTask& task) {
 // OTF is complex.
 std::string work_of(const MethodCandidate& candidate, const PlanTask& task) {
   const auto size = [](const SampleGrid& grid) { return size_text(grid.width, grid.height); };
-  return std::string(name_of(candidate.report.method)) + " " + size(task.in) + " to " + size(task.out) + ", " +
+  return std::string(name_of(candidate)) + " " + size(task.in) + " to " + size(task.out) + ", " +
          candidate.report.detail + (task.sampler.is_real() ? "" : ", complex") +
          (task.sampler.is_even_x() && task.sampler.is_even_y() ? "" : ", not mirrored");
 }
@@ -180,6 +181,9 @@ MethodCandidate* choose(std::vector<MethodCandidate>& candidates, const PlanTask
     if (!report.possible && report.reason.empty()) report.reason = "does not keep the tolerance";
     if (report.possible && (!options.method || *options.method == report.method)) possible.push_back(&candidate);
   }
+  // Asked for by name, a method that can be done here and on the device is done there.
+  const auto is_there = [](const MethodCandidate* candidate) { return candidate->on_device; };
+  if (options.method && std::ranges::any_of(possible, is_there)) std::erase_if(possible, std::not_fn(is_there));
   if (possible.empty()) return nullptr;
   if (measure && possible.size() > 1) measure_costs(possible, task);
   MethodCandidate* best = possible.front();
@@ -216,7 +220,7 @@ void refuse(const std::vector<MethodCandidate>& candidates, const PlanOptions& o
 
 void describe(const MethodCandidate& chosen, const std::vector<MethodCandidate>& candidates, const Engine* engine,
               const PlanTask& task, PlanReport& report) {
-  report.method = name_of(chosen.report.method);
+  report.method = name_of(chosen);
   report.predicted = chosen.report.predicted;
   report.size = {report.in.width, report.in.height};
   report.axes = {chosen.report.detail, ""};

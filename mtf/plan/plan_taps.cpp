@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mtf/device/device_taps.h"
 #include "mtf/engines/taps/taps.h"
 #include "mtf/plan/plan_parts.h"
 #include "mtf/plan/point_response.h"
@@ -239,7 +240,8 @@ void clip(TapBox& box, Method method, double half_width) {
     }
 }
 
-MethodCandidate direct(const Work& work, const PointResponse& response, Method method, double limit_ms) {
+/// The founding paper's rhombus can be the device's work too.
+std::vector<MethodCandidate> direct(const Work& work, const PointResponse& response, Method method, double limit_ms) {
   const double budget = work.judge.budget(work.judge.arithmetic(48.0, 1.2));
   const auto taps = [&](std::int64_t r) {
     TapBox box = response.box(r, r);
@@ -251,9 +253,14 @@ MethodCandidate direct(const Work& work, const PointResponse& response, Method m
   const auto half_width =
       smallest_half_width(1, most, budget, [&](std::int64_t r) { return work.judge.rms(response.error(taps(r))); });
   const std::string too_wide = "needs more than " + std::to_string(2 * most) + " samples across at this tolerance";
-  if (!half_width) return impossible(method, too_wide);
+  std::vector<MethodCandidate> candidates;
+  const auto with = [&](MethodCandidate candidate) {
+    candidates.push_back(std::move(candidate));
+    return std::move(candidates);
+  };
+  if (!half_width) return with(impossible(method, too_wide));
   const TapBox box = taps(*half_width);
-  if (box.sum() == 0.0) return impossible(method, too_wide);
+  if (box.sum() == 0.0) return with(impossible(method, too_wide));
   const auto used = std::count_if(box.value.begin(), box.value.end(), [](double tap) { return tap != 0.0; });
   const bool mirrored = work.task.sampler.is_real() && work.task.sampler.is_even_x() && work.task.sampler.is_even_y();
   const TapAxis x = work.x(static_cast<std::size_t>(box.columns)), y = work.y(static_cast<std::size_t>(box.rows));
@@ -263,9 +270,14 @@ MethodCandidate direct(const Work& work, const PointResponse& response, Method m
   c.detail = taps_text(static_cast<std::size_t>(box.columns), static_cast<std::size_t>(box.rows)) + ", " +
              std::to_string(used) + " used";
   c.cost_ms = direct_cost_ms(x, y, used, mirrored);
-  if (c.cost_ms > limit_ms) return impossible(method, c.detail + ": far slower than other methods");
+  std::shared_ptr<const Device> device;
+  if (method == Method::direct_diamond) device = work.task.options.device.device;
+  const bool is_slow = c.cost_ms > limit_ms;
+  if (is_slow) candidates.push_back(impossible(method, c.detail + ": far slower than other methods"));
+  if (is_slow && !device) return candidates;
   const std::vector<double> error = response.error(box);
-  if (!work.judge.negligible(response.excess(box, error))) return impossible(method, too_wide);
+  if (!work.judge.negligible(response.excess(box, error)))
+    return is_slow ? std::move(candidates) : with(impossible(method, too_wide));
   c.predicted =
       work.judge.predicted(work.judge.rms(error), work.judge.arithmetic(static_cast<double>(used), moduli(box.value)));
   std::vector<float> narrowed = narrow(box.value);
@@ -276,10 +288,21 @@ MethodCandidate direct(const Work& work, const PointResponse& response, Method m
         narrowed[static_cast<std::size_t>(r * box.columns + t)] =
             narrowed[static_cast<std::size_t>(mr * box.columns + mt)];
       }
-  auto engine = make_direct_engine(x, y, work.task.options.border, std::move(narrowed));
-  c.bytes = engine->filter_bytes() + engine->run_bytes(1, 1);
-  candidate.make = [engine](const Engine*) { return engine; };
-  return candidate;
+  const Border border = work.task.options.border;
+  if (!is_slow) {
+    const auto engine = make_direct_engine(x, y, border, narrowed);
+    c.bytes = engine->filter_bytes() + engine->run_bytes(1, 1);
+    candidate.make = [engine](const Engine*) { return engine; };
+    candidates.push_back(candidate);
+  }
+  if (!device) return candidates;
+  candidate.on_device = true;
+  c.detail += ", on " + device->info().name;
+  c.reason = device_taps_obstacle(device->info(), x, y);
+  c.bytes = device_taps_bytes(x, y);
+  c.cost_ms = device_taps_cost_ms(*device, x, y, used);
+  candidate.make = [=](const Engine*) { return make_device_taps(device, x, y, border, narrowed); };
+  return with(std::move(candidate));
 }
 
 }  // namespace
@@ -310,7 +333,9 @@ std::vector<MethodCandidate> tap_candidates(const PlanTask& task, double fft_ms)
     return none("designing a kernel of this OTF costs more than the image");
   const PointResponse response(task.sampler, task.in, *ratio_x, *ratio_y);
   candidates.push_back(low_rank(work, response, limit_ms));
-  for (const Method method : direct_methods) candidates.push_back(direct(work, response, method, limit_ms));
+  for (const Method method : direct_methods)
+    for (MethodCandidate& candidate : direct(work, response, method, limit_ms))
+      candidates.push_back(std::move(candidate));
   // Between the corners |H| may be somewhat larger.
   const double gain = task.sampler.has_gain() ? std::min(task.sampler.gain(), 1.05 * response.largest()) : 1.0;
   for (MethodCandidate& candidate : candidates) {

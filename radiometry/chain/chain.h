@@ -137,16 +137,31 @@ class Chain {
   void prepare(OutputStage stage, int threads = 0) const;
   /// The image at a stage of frame number `frame`. `radiance` is used up. `state` is that of the sequence, whose frames
   /// come in rising order (numbers left out are time that passes); without one a frame stands for itself. The first
-  /// image of a sensor with [correction] at `display` measures its flat frames, which takes 2 x frames of them. Throws
-  /// UsageError for a stage beyond last_output_stage() and a plane of another size, RuntimeError as Plan::run.
+  /// image of a sensor with [correction] at `display` measures its flat frames, which takes 2 x frames of them. With
+  /// `whole_levels` a display of levels to 255 may come rounded to whole ones, halves upwards, as files of 8 bits have
+  /// them. Throws UsageError for a stage beyond last_output_stage() and a plane of another size, RuntimeError as
+  /// Plan::run.
   ChainFrame run(mtf::Image radiance, std::uint32_t frame, OutputStage stage, double border_value = 0.0,
-                 int threads = 0, ChainState* state = nullptr) const;
+                 int threads = 0, ChainState* state = nullptr, bool whole_levels = false) const;
   /// The same of a scene that comes again and is not used up (mtf/engines/kept_scene.h): its only plane is the
   /// radiance. `noise_rows`: of rows that nobody will look at shot and read noise may be left out; see
   /// ChainFrame::noise_rows for whether they were. The pixels of the others are the same, but for bad ones that take
   /// values from their neighbours.
   ChainFrame run(mtf::KeptScene& radiance, std::uint32_t frame, OutputStage stage, double border_value = 0.0,
-                 int threads = 0, ChainState* state = nullptr, std::int64_t noise_rows = 1) const;
+                 int threads = 0, ChainState* state = nullptr, std::int64_t noise_rows = 1,
+                 bool whole_levels = false) const;
+
+  /// Numbers of frames: `count` of them from `first` on.
+  struct Batch {
+    std::uint32_t first = 0, step = 1;
+    std::int64_t count = 1;
+  };
+  /// Frames of a scene that comes again, each of which stands for itself: bit for bit what run() gives for one after
+  /// the other, in one submission where a device does all of the work on them. Their times are shares of the whole.
+  std::vector<ChainFrame> run_batch(mtf::KeptScene& radiance, const Batch& batch, OutputStage stage,
+                                    double border_value = 0.0, int threads = 0, bool whole_levels = false) const;
+  /// How many frames are best run so: 1 where the processor does a part of the work. Call prepare() first.
+  std::int64_t batch_size(OutputStage stage) const;
 
   /// Electrons for one unit of weighted radiance, on the axis.
   double electrons_per_radiance() const;
@@ -154,7 +169,8 @@ class Chain {
  private:
   /// `kept`: the scene in place of `radiance`, or null.
   ChainFrame run_scene(mtf::Image radiance, mtf::KeptScene* kept, std::uint32_t frame, OutputStage stage,
-                       double border_value, int threads, ChainState* state, std::int64_t noise_rows) const;
+                       double border_value, int threads, ChainState* state, std::int64_t noise_rows,
+                       bool whole_levels) const;
 
   std::shared_ptr<const CompiledChain> compiled_;
 };

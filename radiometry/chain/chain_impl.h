@@ -119,6 +119,8 @@ struct StageRow {
   void (*step)(FrameRun& run, mtf::Image& image) = nullptr;
   /// The same on the device where the frame is, to the bit; null: the frame comes back first.
   void (*step_on_device)(FrameRun& run, mtf::DeviceImage& image) = nullptr;
+  /// Whether this frame may stay there for it; null: it may.
+  bool (*stays)(const FrameRun& run) = nullptr;
   /// What becomes of the value of a constant border, where that is not the step's.
   void (*border)(FrameRun& run) = nullptr;
 };
@@ -225,11 +227,13 @@ struct CompiledChain {
   double glow_e() const { return warm.total_e() + dark_e; }
 
   /// The maps of the two-point correction, measured by the first chain of a sequence when it first needs them.
-  const TwoPoint& correction(int threads) const;
+  std::shared_ptr<const TwoPoint> correction(int threads) const;
+  /// The same; null where they are not measured yet, or at this moment.
+  std::shared_ptr<const TwoPoint> known_correction() const;
   TwoPoint measure(int threads) const;
   std::shared_ptr<const CompiledChain> corrected_by;  ///< the first chain of a sequence; null: this one
   mutable std::mutex measuring;
-  mutable std::optional<TwoPoint> measured;
+  mutable std::shared_ptr<const TwoPoint> measured;
 };
 
 /// Of width x height pixels from `origin` on.
@@ -264,6 +268,7 @@ struct FrameRun {
   double border = 0.0;              ///< value of a constant border at this place of the chain
   std::uint32_t frames_passed = 1;  ///< since the frame before; frames that were left out are time that has passed
   std::int64_t noise_rows = 1;      ///< shot and read noise are wanted in the first row and each so-many-th after it
+  bool whole_levels = false;        ///< are enough of a display of levels to 255
   ChainFrame frame{};
   HeldCounter counter{};
   SharedMap map{};                                ///< of the stage that runs
@@ -271,11 +276,14 @@ struct FrameRun {
   bool may_stay = false;                          ///< on the device that filters it, until a stage has no step there
   mtf::Image given{};                             ///< the scene of a frame that has stayed there, unless it is kept
   std::unique_ptr<mtf::DeviceImage> on_device{};  ///< the frame, while it is there
+  std::vector<ChainFrame> others{};               ///< of a batch, beside `frame`, once they are back
 
   /// Notes the time since the last lap; times of a stage that runs for several positions add up.
   void lap(std::string_view stage);
   void run(StageRow::Part part, mtf::Image& image);
-  /// Brings a frame back that is on a device.
+  /// How many frames are on their way together: a batch stays on the device to its end.
+  std::int64_t frames() const { return on_device ? on_device->frames() : 1; }
+  /// Brings back what is on a device.
   void bring_back(mtf::Image& image);
   /// The stages after the sampling and the optics, up to an output stage.
   void run_to(OutputStage stage);

@@ -50,7 +50,6 @@ void run_detector(FrameRun& run, mtf::Image& image, OutputStage stage) {
   run.counter.count(run.frame.held, run.frame.held_defects);
   for (const Part part : {Part::conversion, Part::correction})
     if (goes_through(part, stage)) run.run(part, image);
-  run.bring_back(image);
 }
 
 /// Runs the frames of the positions of [microscan] and puts them together.
@@ -77,6 +76,21 @@ bool rows_stand_alone(const CompiledChain& chain, OutputStage output) {
     return stage.whole_image.empty() || stage.part == Part::optics || stage.part == Part::correction ||
            !goes_through(stage.part, output);
   });
+}
+
+/// Whether a frame may stay on the device that filters it.
+bool may_stay_on_device(const CompiledChain& chain) {
+  return chain.plan.presample.report().method.ends_with("_device") && !chain.settings.microscan &&
+         chain.plan.options.device.device->info().doubles;
+}
+
+void require_stage(const CompiledChain& chain, OutputStage stage) {
+  require_output_stage(stage, chain.last, chain.adc.has_value(), chain.settings.thermal.has_value());
+}
+
+void require_one_plane(const mtf::KeptScene& radiance) {
+  if (radiance.planes().size() != 1)
+    throw mtf::UsageError("the chain of a sensor takes one plane, not " + std::to_string(radiance.planes().size()));
 }
 
 }  // namespace
@@ -117,7 +131,8 @@ void FrameRun::run(Part part, mtf::Image& image) {
     if (stage.part != part || (stage.in_sequence && state == nullptr)) continue;
     const auto own = maps.detector->of_stages.find(stage.name);
     map = own != maps.detector->of_stages.end() ? own->second : nullptr;
-    if (on_device != nullptr && stage.step_on_device != nullptr) {
+    if (on_device != nullptr && stage.step_on_device != nullptr &&
+        (stage.stays == nullptr || frames() > 1 || stage.stays(*this))) {
       stage.step_on_device(*this, *on_device);
     } else {
       bring_back(image);
@@ -130,13 +145,23 @@ void FrameRun::run(Part part, mtf::Image& image) {
 
 void FrameRun::bring_back(mtf::Image& image) {
   if (!on_device) return;
-  const mtf::DeviceImage::Held pixels = on_device->download(image.view(), threads);
+  std::vector<mtf::ImageView<float>> views{image.view()};
+  while (std::ssize(views) < frames()) {
+    ChainFrame& other = others.emplace_back();
+    other.image = mtf::Image(image.width(), image.height());
+    other.held = frame.held, other.held_defects = frame.held_defects;
+    views.push_back(other.image.view());
+  }
+  const std::vector<mtf::DeviceImage::Held> pixels = on_device->download(views, threads);
   on_device.reset();
   given = {};
-  frame.well.high += pixels.well;
-  frame.held.full_well += pixels.well;
-  frame.adc.low += pixels.least, frame.held.least_count += pixels.least;
-  frame.adc.high += pixels.most, frame.held.most_count += pixels.most;
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    ChainFrame& one = i == 0 ? frame : others[i - 1];
+    const auto& [well, least, most] = pixels[i];
+    one.well.high += well, one.held.full_well += well;
+    one.adc.low += least, one.held.least_count += least;
+    one.adc.high += most, one.held.most_count += most;
+  }
   lap("device");
 }
 
@@ -157,23 +182,24 @@ void FrameRun::run_to(OutputStage stage) {
   else
     run_detector(*this, frame.image, stage);
   if (goes_through(Part::display, stage)) run(Part::display, frame.image);
+  bring_back(frame.image);
 }
 
 ChainFrame Chain::run(mtf::Image radiance, std::uint32_t number, OutputStage stage, double border_value, int threads,
-                      ChainState* state) const {
-  return run_scene(std::move(radiance), nullptr, number, stage, border_value, threads, state, 1);
+                      ChainState* state, bool whole_levels) const {
+  return run_scene(std::move(radiance), nullptr, number, stage, border_value, threads, state, 1, whole_levels);
 }
 
 ChainFrame Chain::run(mtf::KeptScene& radiance, std::uint32_t number, OutputStage stage, double border_value,
-                      int threads, ChainState* state, std::int64_t noise_rows) const {
-  if (radiance.planes().size() != 1)
-    throw mtf::UsageError("the chain of a sensor takes one plane, not " + std::to_string(radiance.planes().size()));
-  return run_scene({}, &radiance, number, stage, border_value, threads, state, noise_rows);
+                      int threads, ChainState* state, std::int64_t noise_rows, bool whole_levels) const {
+  require_one_plane(radiance);
+  return run_scene({}, &radiance, number, stage, border_value, threads, state, noise_rows, whole_levels);
 }
 
 ChainFrame Chain::run_scene(mtf::Image radiance, mtf::KeptScene* kept, std::uint32_t number, OutputStage stage,
-                            double border_value, int threads, ChainState* state, std::int64_t noise_rows) const {
-  require_output_stage(stage, compiled_->last, compiled_->adc.has_value(), compiled_->settings.thermal.has_value());
+                            double border_value, int threads, ChainState* state, std::int64_t noise_rows,
+                            bool whole_levels) const {
+  require_stage(*compiled_, stage);
   const mtf::DeviceChoice& device = compiled_->plan.options.device;
   const std::optional<std::uint32_t> last = state != nullptr ? state->last : std::nullopt;
   const auto made = [&](bool on_device) {
@@ -184,7 +210,8 @@ ChainFrame Chain::run_scene(mtf::Image radiance, mtf::KeptScene* kept, std::uint
                  .key = {compiled_->seed, number},
                  .number = number,
                  .kept = kept,
-                 .border = border_value};
+                 .border = border_value,
+                 .whole_levels = whole_levels};
     run.may_stay = on_device;
     if (!on_device && rows_stand_alone(*compiled_, stage)) run.noise_rows = std::max<std::int64_t>(1, noise_rows);
     run.frame.image = std::move(radiance);
@@ -202,27 +229,86 @@ ChainFrame Chain::run_scene(mtf::Image radiance, mtf::KeptScene* kept, std::uint
     }
     return std::move(run.frame);
   };
-  const bool filters = compiled_->plan.presample.report().method == "fft_device";
-  const bool moves = compiled_->settings.microscan || (compiled_->settings.distortion && kept == nullptr);
+  const bool moves = compiled_->settings.distortion && kept == nullptr;
   // A frame comes back before a stage that remembers changes its state: it can be made once more by the processor.
   try {
-    return made(filters && !moves && device.device->info().doubles);
+    return made(may_stay_on_device(*compiled_) && !moves);
   } catch (const mtf::DeviceError&) {
     if (device.insisted) throw;
   }
   return made(false);
 }
 
+std::int64_t Chain::batch_size(OutputStage stage) const {
+  constexpr std::int64_t kFrames = 16;
+  const CompiledChain& chain = *compiled_;
+  const FrameRun run{.chain = chain, .maps = *chain.maps, .threads = 1};
+  const auto stays = [&](const StageRow& row) {
+    if (row.part == Part::optics) return row.name == "presample";
+    if (row.in_sequence || !goes_through(row.part, stage)) return true;
+    return row.step_on_device != nullptr && (row.stays == nullptr || row.stays(run));
+  };
+  if (!may_stay_on_device(chain) || stage < OutputStage::electrons || chain.settings.distortion || chain.events ||
+      !std::ranges::all_of(chain.stages, stays))
+    return 1;
+  std::int64_t frames = kFrames;
+  const mtf::SampleGrid& out = chain.plan.out();
+  while (frames > 1 &&
+         !mtf::DeviceImage::has_room(chain.plan.options.device.device->info(), out.width, out.height, frames))
+    frames /= 2;
+  return frames;
+}
+
+std::vector<ChainFrame> Chain::run_batch(mtf::KeptScene& radiance, const Batch& batch, OutputStage stage,
+                                         double border_value, int threads, bool whole_levels) const {
+  require_one_plane(radiance);
+  require_stage(*compiled_, stage);
+  std::vector<ChainFrame> frames;
+  if (batch.count > 1 && batch_size(stage) > 1) try {
+      FrameRun run{.chain = *compiled_,
+                   .maps = *compiled_->maps,
+                   .threads = mtf::threads_of(threads),
+                   .key = {compiled_->seed, batch.first},
+                   .number = batch.first,
+                   .kept = &radiance,
+                   .border = border_value,
+                   .whole_levels = whole_levels,
+                   .may_stay = true};
+      run.run(Part::optics, run.frame.image);
+      if (run.on_device) {
+        run.on_device->repeat(batch.count, batch.step);
+        run.run_to(stage);
+        frames = std::move(run.others);
+        frames.insert(frames.begin(), std::move(run.frame));
+        for (auto& [name, ms] : frames.front().timing_ms) ms /= static_cast<double>(batch.count);
+        for (ChainFrame& frame : frames) frame.timing_ms = frames.front().timing_ms;
+      }
+    } catch (const mtf::DeviceMemoryError&) {  // it may have room for one at a time
+    } catch (const mtf::DeviceError&) {
+      if (compiled_->plan.options.device.insisted) throw;
+    }
+  for (std::int64_t i = std::ssize(frames); i < batch.count; ++i)
+    frames.push_back(run(radiance, batch.first + static_cast<std::uint32_t>(i) * batch.step, stage, border_value,
+                         threads, nullptr, 1, whole_levels));
+  return frames;
+}
+
 void Chain::prepare(OutputStage stage, int threads) const {
   if (stage == OutputStage::display && compiled_->settings.correction) compiled_->correction(mtf::threads_of(threads));
 }
 
-const TwoPoint& CompiledChain::correction(int threads) const {
+std::shared_ptr<const TwoPoint> CompiledChain::correction(int threads) const {
   const CompiledChain& owner = corrected_by ? *corrected_by : *this;
   // Not std::call_once: what ends the measurement (mtf::Stopped) cannot leave it, glibc aborts the program.
   const std::scoped_lock lock(owner.measuring);
-  if (!owner.measured) owner.measured = owner.measure(threads);
-  return *owner.measured;
+  if (!owner.measured) owner.measured = std::make_shared<const TwoPoint>(owner.measure(threads));
+  return owner.measured;
+}
+
+std::shared_ptr<const TwoPoint> CompiledChain::known_correction() const {
+  const CompiledChain& owner = corrected_by ? *corrected_by : *this;
+  const std::unique_lock lock(owner.measuring, std::try_to_lock);
+  return lock ? owner.measured : nullptr;
 }
 
 TwoPoint CompiledChain::measure(int threads) const {

@@ -8,6 +8,7 @@
 
 #include "mtf/device/device_filter.h"
 #include "mtf/device/device_parts.h"
+#include "mtf/device/device_taps.h"
 #include "radiometry/stages/noise/random.h"
 #include "tests/expect_error.h"
 #include "tests/mtf/device_support.h"
@@ -46,6 +47,7 @@ TEST(Device, IsAdmittedAndMeasured) {
   EXPECT_GT(test.filter_ms[0], 0.0);
   EXPECT_GT(test.filter_ms[1], test.filter_ms[0]);
   EXPECT_GT(test.upload_ns, 0.0);
+  EXPECT_GT(device->parts().tap_ns, 0.0);
   EXPECT_GT(device->info().bytes, 1 << 20);
   EXPECT_FALSE(device->failure());
   EXPECT_EQ(open_device(device->info()), device) << "a device that is open is shared";
@@ -124,6 +126,10 @@ TEST(Device, SaysWhatItCannotDo) {
   expect_says(device_obstacle(info, large, large, false), {"bytes on the device"});
   info.largest_bytes = info.bytes = std::int64_t{16} << 30;
   EXPECT_EQ(device_obstacle(info, large, large, false), "");
+  const TapAxis side{16384, 8192, 2, -3, 9};
+  EXPECT_EQ(device_taps_obstacle(info, side, side), "");
+  info.bytes = std::int64_t{2} << 30;
+  expect_says(device_taps_obstacle(info, side, side), {"bytes on the device"});
 }
 
 }  // namespace

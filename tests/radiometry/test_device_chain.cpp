@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <random>
 
 #include "mtf/device/device_parts.h"
@@ -54,6 +55,10 @@ std::int64_t unequal(const mtf::Image& a, const mtf::Image& b) {
   for (std::int64_t i = 0; i < a.size(); ++i)
     count += a.data()[i] == b.data()[i] || (std::isnan(a.data()[i]) && std::isnan(b.data()[i])) ? 0 : 1;
   return count;
+}
+
+bool all_numbers(const mtf::Image& image) {
+  return std::none_of(image.data(), image.data() + image.size(), [](float value) { return std::isnan(value); });
 }
 
 /// Means of electrons over ten decades, whole numbers among them; zero, negative and infinite ones, and NaN.
@@ -152,6 +157,103 @@ TEST(DeviceImage, MapsWellResponseAndConverterAreTheProcessorsToTheBit) {
   EXPECT_GT(counts.high, 0);
 }
 
+// Counts come as 8 or 16 bits where these hold them all, as floats where they do not or where one is no number.
+TEST(DeviceImage, CountsOfEveryWidthAreTheProcessorsToTheBit) {
+  if (!open_tested_device()) GTEST_SKIP() << "no device";
+  for (const bool with_nan : {false, true})
+    for (const int bits : {1, 8, 9, 16, 17, 24}) {
+      SCOPED_TRACE(bits);
+      mtf::Image electrons = all_means(301, 211);
+      for (std::int64_t i = 0; i < electrons.size(); ++i)
+        if (!with_nan && std::isnan(electrons.data()[i])) electrons.data()[i] = 5.0F;
+      Adc adc{.bits = bits};
+      adc.electrons_per_count = 1e9 / adc.most_counts(), adc.offset_counts = 0.25;
+      const AdcScale scale = scale_of(adc);
+      const auto image = sent(electrons);
+      image->digitise(scale.counts_per_electron, scale.offset, scale.most);
+      digitise(electrons.view(), adc);
+      EXPECT_EQ(unequal(fetched(*image, 301, 211), electrons), 0);
+      // What follows makes numbers of them that are not whole.
+      image->multiply_add({{}, 0.375F}, {{}, 0.125F});
+      for (std::int64_t i = 0; i < electrons.size(); ++i) electrons.data()[i] = 0.375F * electrons.data()[i] + 0.125F;
+      EXPECT_EQ(unequal(fetched(*image, 301, 211), electrons), 0);
+    }
+}
+
+/// Images whose curves of gain have all that is special about such: counts, any floats of both signs with some that are
+/// not finite, one value alone, one but for a single pixel, two values.
+std::vector<mtf::Image> images_for_gain() {
+  std::vector<mtf::Image> images;
+  for (int kind = 0; kind < 5; ++kind) {
+    mtf::Image image = mtf::test::random_image(301, 211, 31, 0.0F);
+    for (std::int64_t i = 0; i < image.size(); ++i) {
+      float& value = image.data()[i];
+      if (kind == 0) value = std::floor(8000.0F + 300.0F * value);
+      if (kind == 1) value = i % 97 == 0 ? std::numeric_limits<float>::quiet_NaN() : i % 89 == 0 ? INFINITY : value;
+      if (kind == 2 || kind == 3) value = -7.25F;
+      if (kind == 4) value = value > 0.3F ? 12.0F : 0.0F;
+    }
+    if (kind == 3) image.data()[5000] = 1e30F;
+    images.push_back(std::move(image));
+  }
+  return images;
+}
+
+TEST(DeviceImage, RanksAreThoseOfTheSortedPixels) {
+  if (!open_tested_device()) GTEST_SKIP() << "no device";
+  for (const mtf::Image& image : images_for_gain()) {
+    std::vector<float> sorted;
+    for (std::int64_t i = 0; i < image.size(); ++i)
+      if (std::isfinite(image.data()[i])) sorted.push_back(image.data()[i]);
+    std::sort(sorted.begin(), sorted.end());
+    const auto there = sent(image);
+    const std::vector<std::uint32_t> order = there->order();
+    EXPECT_EQ(std::reduce(order.begin(), order.end(), std::int64_t{0}), std::ssize(sorted));
+    for (const std::size_t rank : {std::size_t{0}, sorted.size() / 200, sorted.size() / 2, sorted.size() - 1})
+      EXPECT_EQ(there->value_at(static_cast<std::int64_t>(rank), order), sorted[rank]) << rank;
+  }
+}
+
+/// The row of the table of stages that makes the display.
+const StageRow& gain_row() {
+  static const std::vector<StageRow> rows = stage_table();
+  return *std::find_if(rows.begin(), rows.end(), [](const StageRow& row) { return row.name == "agc"; });
+}
+
+TEST(DeviceImage, LevelsOfTheDisplayAreTheProcessorsToTheBit) {
+  if (!open_tested_device()) GTEST_SKIP() << "no device";
+  const mtf::System<double> system = test::mwir_system();
+  for (const GainMethod method : {GainMethod::linear, GainMethod::plateau})
+    for (const Polarity polarity : {Polarity::white_hot, Polarity::black_hot})
+      for (const auto& [clip, bins, most] : {std::tuple{0.005, 4096, 255.0}, {0.0, 2, 1000.0}, {0.2, 65536, 255.0}}) {
+        Sensor sensor = test::noisy_sensor();
+        sensor.settings.agc =
+            AutomaticGain{.method = method, .clip = clip, .bins = bins, .most_level = most, .polarity = polarity};
+        mtf::PlanOptions options;
+        options.separate_readout = true;
+        const CompiledChain chain(mtf::compile_sensor(system, {301, 211, 15.0, 15.0}, options), system, sensor, 301,
+                                  211);
+        const PixelMaps maps;
+        FrameRun run{.chain = chain, .maps = maps, .threads = 1};
+        for (const mtf::Image& image : images_for_gain()) {
+          mtf::Image expected = image.clone();
+          gain_row().step(run, expected);
+          auto there = sent(image);
+          run.whole_levels = false;
+          gain_row().step_on_device(run, *there);
+          EXPECT_EQ(unequal(fetched(*there, 301, 211), expected), 0);
+          there = nullptr;
+          there = sent(image);
+          run.whole_levels = true;
+          gain_row().step_on_device(run, *there);
+          // Bytes cannot say that something is no number: such an image comes as floats.
+          if (most == 255.0 && all_numbers(expected))
+            for (std::int64_t i = 0; i < expected.size(); ++i) expected.data()[i] = std::round(expected.data()[i]);
+          EXPECT_EQ(unequal(fetched(*there, 301, 211), expected), 0);
+        }
+      }
+}
+
 /// A camera whose every stage has a step on the device.
 Sensor all_stages() {
   Sensor sensor = test::noisy_sensor();
@@ -245,6 +347,45 @@ TEST(DeviceChain, CountsDifferWhereRoundingCrossesAStepAlone) {
     ASSERT_LE(std::abs(a.image.data()[i] - b.image.data()[i]), 1.0F) << "more than a step";
 }
 
+// Correction and gain, too: the first frame measures the correction on the processor, the others are made on the
+// device.
+TEST(DeviceChain, DisplayIsTheProcessorsOfTheSameFilteredImage) {
+  if (!open_tested_device()) GTEST_SKIP() << "no device";
+  mtf::System<double> optics = test::mwir_system(), none = test::mwir_system();
+  optics.add(mtf::Stage::presample, mtf::test::gaussian(9.0));
+  none.list(mtf::Stage::presample).clear();
+  Sensor sensor = all_stages();
+  sensor.settings.agc = AutomaticGain{.method = GainMethod::plateau, .polarity = Polarity::black_hot};
+  const mtf::DeviceChoice device{open_tested_device(), true};
+  // A limit of the response that some pixels are beyond has them replaced, by the processor.
+  for (const auto& correction : {std::optional<CorrectionSettings>{}, std::optional(CorrectionSettings{.frames = 2}),
+                                 std::optional(CorrectionSettings{.frames = 2, .limit = 4e-3}),
+                                 std::optional(CorrectionSettings{.frames = 2, .limit = 4e-3, .replace_bad = false})}) {
+    sensor.settings.correction = correction;
+    const Chain on_device = chain_of(optics, sensor, 240, 180, 7.5, mtf::Method::fft_device, device);
+    const Chain processor = chain_of(none, sensor, 120, 90, 15.0, {}, {});
+    for (const std::uint32_t number : {0U, 7U}) {
+      const ChainFrame filtered = on_device.run(scene(240, 180), number, OutputStage::radiance);
+      const ChainFrame made = on_device.run(scene(240, 180), number, OutputStage::display);
+      const ChainFrame whole = on_device.run(scene(240, 180), number, OutputStage::display, 0.0, 0, nullptr, true);
+      ChainFrame expected = processor.run(mtf::copy_of(filtered.image.view()), number, OutputStage::display);
+      EXPECT_EQ(unequal(made.image, expected.image), 0);
+      EXPECT_EQ(made.held, expected.held);
+      EXPECT_GT(made.held.full_well, 100);
+      const auto on_processor = [&](std::string_view stage) {
+        return std::ranges::any_of(made.timing_ms, [&](const auto& time) { return time.first == stage; });
+      };
+      const bool replaces = correction && correction->limit < 0.1 && correction->replace_bad;
+      EXPECT_EQ(on_processor("agc"), replaces || (correction && number == 0));
+      EXPECT_EQ(on_processor("correction"), replaces || (correction && number == 0));
+      if (replaces) continue;
+      for (std::int64_t i = 0; i < expected.image.size(); ++i)
+        expected.image.data()[i] = std::round(expected.image.data()[i]);
+      EXPECT_EQ(unequal(whole.image, expected.image), 0);
+    }
+  }
+}
+
 // A stage without a step on the device takes the frame back; the stages after it are the processor's.
 TEST(DeviceChain, AStageOfTheProcessorTakesTheFrameBack) {
   if (!open_tested_device()) GTEST_SKIP() << "no device";
@@ -277,6 +418,97 @@ TEST(DeviceChain, AKeptSceneGivesTheSameFrames) {
     EXPECT_EQ(unequal(chain.run(kept, number, OutputStage::dn).image,
                       chain.run(scene(240, 180), number, OutputStage::dn).image),
               0);
+}
+
+// A batch is bit for bit its frames one by one, whatever they are numbered, at every stage.
+TEST(DeviceChain, ABatchIsItsFramesOneByOne) {
+  if (!open_tested_device()) GTEST_SKIP() << "no device";
+  mtf::System<double> optics = test::mwir_system();
+  optics.add(mtf::Stage::presample, mtf::test::gaussian(9.0));
+  Sensor sensor = all_stages();
+  sensor.settings.correction = CorrectionSettings{.frames = 2};
+  sensor.settings.agc = AutomaticGain{.method = GainMethod::plateau, .polarity = Polarity::black_hot};
+  const Chain chain = chain_of(optics, sensor, 240, 180, 7.5, mtf::Method::fft_device, {open_tested_device(), true});
+  std::vector<mtf::Image> planes;
+  planes.push_back(scene(240, 180));
+  mtf::KeptScene kept(std::make_shared<const std::vector<mtf::Image>>(std::move(planes)));
+  EXPECT_EQ(chain.batch_size(OutputStage::radiance), 1);
+  EXPECT_EQ(chain.batch_size(OutputStage::display), 1) << "before the correction is measured";
+  chain.prepare(OutputStage::display);
+  for (const OutputStage stage : {OutputStage::electrons, OutputStage::dn, OutputStage::display})
+    for (const auto& [first, step, count] :
+         {std::tuple{0U, 1U, 5}, {7U, 3U, 2}, {0xfffffffeU, 1U, 3}, {9U, 1U, 1}, {0U, 1U, 40}})
+      for (const bool whole : {false, true}) {
+        EXPECT_GT(chain.batch_size(stage), 1);
+        const std::vector<ChainFrame> frames = chain.run_batch(kept, {first, step, count}, stage, 0.0, 2, whole);
+        ASSERT_EQ(std::ssize(frames), count);
+        for (int i = 0; i<count; i += count> 10 ? 13 : 1) {
+          const ChainFrame& made = frames[static_cast<std::size_t>(i)];
+          const ChainFrame alone =
+              chain.run(kept, first + static_cast<std::uint32_t>(i) * step, stage, 0.0, 1, nullptr, 1, whole);
+          EXPECT_EQ(unequal(made.image, alone.image), 0) << i;
+          EXPECT_EQ(made.held, alone.held);
+          EXPECT_EQ(made.held_defects, alone.held_defects);
+          EXPECT_EQ(made.well.high, alone.well.high);
+          EXPECT_EQ(made.adc.low, alone.adc.low);
+          EXPECT_EQ(made.adc.high, alone.adc.high);
+          EXPECT_EQ(made.noise_rows, alone.noise_rows);
+          EXPECT_EQ(made.timing_ms.size(), alone.timing_ms.size());
+        }
+        if (count > 1) {
+          EXPECT_GT(unequal(frames[0].image, frames[1].image), 1000) << "the noise is not that of one frame";
+        }
+      }
+}
+
+// What cannot be done together is done one by one: stages of the processor, memory that is missing, a device that is
+// lost; whoever insists on it hears of that.
+TEST(DeviceChain, ABatchThatTheDeviceCannotDoIsDoneAllTheSame) {
+  const auto info = mtf::test::tested_device();
+  if (!info) GTEST_SKIP() << "no device";
+  mtf::System<double> optics = test::mwir_system();
+  optics.add(mtf::Stage::presample, mtf::test::gaussian(9.0));
+  std::vector<mtf::Image> planes;
+  planes.push_back(scene(240, 180));
+  const auto shared = std::make_shared<const std::vector<mtf::Image>>(std::move(planes));
+  Sensor with_defects = all_stages();
+  with_defects.settings.defects = Defects{.dead_fraction = 0.01, .hot_fraction = 0.01, .hot_e = 1e5};
+  const Chain chain =
+      chain_of(optics, with_defects, 240, 180, 7.5, mtf::Method::fft_device, {open_tested_device(), true});
+  const Chain processor = chain_of(optics, all_stages(), 240, 180, 7.5, mtf::Method::fft_float, {});
+  EXPECT_EQ(chain.batch_size(OutputStage::dn), 1);
+  EXPECT_EQ(processor.batch_size(OutputStage::dn), 1);
+  for (const Chain* one : {&chain, &processor}) {
+    mtf::KeptScene kept(shared);
+    const std::vector<ChainFrame> frames = one->run_batch(kept, {3, 1, 2}, OutputStage::dn);
+    for (const std::uint32_t i : {0U, 1U})
+      EXPECT_EQ(unequal(frames[i].image, one->run(kept, 3 + i, OutputStage::dn).image), 0);
+  }
+  for (const bool insisted : {true, false}) {
+    const auto device = mtf::open_device(*info, mtf::DeviceFault::chain);
+    const Chain lost = chain_of(optics, all_stages(), 240, 180, 7.5, mtf::Method::fft_device, {device, insisted});
+    mtf::KeptScene kept(shared), again(shared);
+    if (insisted) {
+      EXPECT_THROW(lost.run_batch(kept, {0, 1, 3}, OutputStage::dn), mtf::DeviceError);
+      continue;
+    }
+    const std::vector<ChainFrame> frames = lost.run_batch(kept, {0, 1, 3}, OutputStage::dn);
+    ASSERT_EQ(frames.size(), 3U);
+    for (std::uint32_t i = 0; i < 3; ++i)
+      EXPECT_LT(unequal(frames[i].image, processor.run(again, i, OutputStage::dn).image),
+                frames[i].image.size() / 1000);
+    EXPECT_TRUE(device->failure());
+  }
+}
+
+TEST(DeviceImage, BatchesHaveTheRoomThatTheDeviceHas) {
+  mtf::DeviceInfo info;
+  info.bytes = info.largest_bytes = std::int64_t{1} << 30;
+  EXPECT_TRUE(mtf::DeviceImage::has_room(info, 640, 512, 16));
+  EXPECT_FALSE(mtf::DeviceImage::has_room(info, 8192, 8192, 2));
+  info.largest_bytes = 1 << 20;
+  EXPECT_FALSE(mtf::DeviceImage::has_room(info, 640, 512, 1));
+  EXPECT_FALSE(mtf::DeviceImage::has_room(info, std::int64_t{1} << 29, 4, 16));
 }
 
 // Also of a sequence that remembers, and of a scene that comes again.

@@ -262,6 +262,7 @@ int run_fly(const FlyCommandOptions& options, const Global& global) {
                     .begin_s = course.utc_of(0),  // also of a part of a flight: the same light
                     .end_s = course.utc_of(last)};
   how.image.threads = global.threads;
+  how.image.out = options.out;
   how.image.device = device_of(options.device, global);
   how.image.loosen = true;  // a frame of little contrast does not end the flight
   Flight flight(source, file, air, how);

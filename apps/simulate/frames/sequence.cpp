@@ -2,6 +2,7 @@
 #include "apps/simulate/frames/sequence.h"
 
 #include <tbb/info.h>
+#include <tbb/parallel_for_each.h>
 #include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
 
@@ -115,8 +116,9 @@ std::string step_text(const mtf::SampleGrid& grid) {
 }
 
 // What happens to each frame of a sequence, in this order: next, read, plan, run, finish. `next`, `plan` and `finish`
-// are called one frame at a time and in order, `read` and `run` for several frames at once. A frame that fails carries
-// its error to `finish`, so that the first one in order is what is reported, and every frame before it is written.
+// are called one group of frames at a time and in order, `read` and `run` for several groups at once. A frame that
+// fails carries its error to `finish`, so that the first one in order is what is reported, and every frame before it is
+// written.
 
 struct SequenceNames {
   std::optional<FrameNames> scenes;  ///< none: the same scene for every frame
@@ -156,7 +158,11 @@ class SequenceFrames {
     first_plan_ = frame->plan;
     first_sensor_ = frame->sensor;
     chain_report_ = first_sensor_.report();
-    if (frame->chain) frame->chain->prepare(first_sensor_.chain()->stage, threads_);
+    if (frame->chain) {
+      const radiometry::OutputStage stage = first_sensor_.chain()->stage;
+      frame->chain->prepare(stage, threads_);
+      if (!names_.scenes && !remembers()) together_ = frame->chain->batch_size(stage);
+    }
     first_scene_ = facts_of(frame->input->scene);
     require_room();
     warnings_ = warnings_of(*frame);
@@ -177,6 +183,25 @@ class SequenceFrames {
     return channels * (planes + static_cast<double>(report.run_bytes)) + static_cast<double>(report.otf_bytes);
   }
   void set_threads_a_frame(int threads) { threads_ = threads; }
+  /// Frames that go through the sensor together: one, or several of one scene (radiometry::Chain::run_batch).
+  using Group = std::vector<std::shared_ptr<Frame>>;
+  std::int64_t together() const { return together_; }
+  void limit_together(std::int64_t most) { together_ = std::clamp<std::int64_t>(together_, 1, most); }
+
+  /// Empty after the last one.
+  Group next_group() {
+    Group group;
+    while (std::ssize(group) < together_) {
+      std::shared_ptr<Frame> frame = waiting_ ? std::exchange(waiting_, nullptr) : next();
+      if (!frame) break;
+      if (!group.empty() && !goes_on(group, *frame)) {
+        waiting_ = std::move(frame);
+        break;
+      }
+      group.push_back(std::move(frame));
+    }
+    return group;
+  }
 
   /// The next frame with its sensor; null after the last one.
   std::shared_ptr<Frame> next() {
@@ -212,19 +237,20 @@ class SequenceFrames {
       planner_.chain(frame);
     });
   }
-  void run(Frame& frame) {
-    attempt(frame, frame.run_ms, [&] {
-      frame.image.frame = frame.number;
-      radiometry::ChainState own;  // a closing is known without the frames before
-      radiometry::ChainState* state = remembers() ? &state_ : frame.closing ? &own : nullptr;
-      if (frame.closing) state->closing = frame.closing;
-      frame.image.planes = run_planes(frame, state, threads_);
-    });
-    attempt(frame, frame.write_ms, [&] {
-      frame.image.metadata = metadata_of(frame);
-      deliver(options_, names_.out ? names_.out->name(frame.number) : "", output_names(frame.input->scene.names),
-              frame.image, frame.sensor.integer_range(options_.range));
-    });
+  void run(const Group& group) {
+    for (const auto& frame : group) {
+      frame->image.frame = frame->number;
+      frame->whole_levels = takes_whole_levels(options_);
+    }
+    Frame& first = *group.front();
+    const auto fits = [&](const auto& one) { return !one->error && !one->closing && one->chain == first.chain; };
+    if (group.size() == 1 || !std::ranges::all_of(group, fits)) {
+      for (const auto& frame : group) run_alone(*frame);
+    } else {
+      attempt(first, first.run_ms, [&] { run_batch(group, threads_); });
+      for (const auto& frame : group) frame->error = first.error;
+    }
+    tbb::parallel_for_each(group, [&](const auto& frame) { write(*frame); });
   }
   /// Counts the frame and keeps its image where neither a file nor the sink has it. Throws its error with its number.
   void finish(Frame& frame) {
@@ -279,6 +305,28 @@ class SequenceFrames {
   const std::optional<ChainReport>& chain_report() const { return chain_report_; }
 
  private:
+  void run_alone(Frame& frame) {
+    attempt(frame, frame.run_ms, [&] {
+      radiometry::ChainState own;  // a closing is known without the frames before
+      radiometry::ChainState* state = remembers() ? &state_ : frame.closing ? &own : nullptr;
+      if (frame.closing) state->closing = frame.closing;
+      frame.image.planes = run_planes(frame, state, threads_);
+    });
+  }
+  void write(Frame& frame) {
+    attempt(frame, frame.write_ms, [&] {
+      frame.image.metadata = metadata_of(frame);
+      deliver(options_, names_.out ? names_.out->name(frame.number) : "", output_names(frame.input->scene.names),
+              frame.image, frame.sensor.integer_range(options_.range));
+    });
+  }
+  /// Whether it differs from a group of frames in its noise alone, their numbers equally far apart.
+  static bool goes_on(const Group& group, const Frame& frame) {
+    const Frame& last = *group.back();
+    const std::int64_t apart = frame.number - last.number;
+    return !frame.error && !last.error && frame.input == last.input && frame.settings == last.settings &&
+           (group.size() == 1 || apart == last.number - group[group.size() - 2]->number);
+  }
   // Frames of another kind are a mistake in the sequence, whatever could be made of them.
   void require_like_first(const Frame& frame) {
     const mtf::io::Scene& scene = frame.input->scene;
@@ -329,6 +377,8 @@ class SequenceFrames {
   SensorRun sensor_, first_sensor_;
   radiometry::ChainState state_;
   std::shared_ptr<Frame> prepared_;  ///< the first frame, until it goes its way
+  std::shared_ptr<Frame> waiting_;   ///< one that did not go with the group before it
+  std::int64_t together_ = 1;
   mtf::io::Scene first_scene_;
   std::shared_ptr<const mtf::SensorPlan> first_plan_, last_plan_;
   SensorRun spacing_sensor_;  ///< that `spacing_` belongs to
@@ -402,19 +452,22 @@ void check_files(const SimulateOptions& options, const SceneSource& scene, const
   }
 }
 
-/// As many frames at a time as keep every thread busy and fit into half of the usable memory.
-std::int64_t frames_in_flight(const SequenceFrames& frames, int threads) {
+/// As many groups of frames at a time as keep every thread busy and fit into half of the usable memory.
+std::int64_t groups_in_flight(SequenceFrames& frames, int threads) {
   const double room = 0.5 * mtf::usable_bytes() / std::max(1.0, frames.bytes_a_frame());
-  const auto wanted = std::min<std::int64_t>(threads == 1 ? 1 : 2 * std::int64_t{threads}, frames.count());
-  return std::clamp<std::int64_t>(static_cast<std::int64_t>(std::min(room, 1e6)), 1, wanted);
+  const auto most = std::max<std::int64_t>(1, static_cast<std::int64_t>(std::min(room, 1e6)));
+  frames.limit_together(std::min(most, frames.count()));
+  const std::int64_t groups = (frames.count() + frames.together() - 1) / frames.together();
+  const auto wanted = std::min<std::int64_t>(threads == 1 ? 1 : 2 * std::int64_t{threads}, groups);
+  return std::clamp<std::int64_t>(most / frames.together(), 1, wanted);
 }
 
 void run_pipeline(SequenceFrames& frames, std::int64_t in_flight, int threads, RunWatch& watch) {
-  using Token = std::shared_ptr<Frame>;
+  using Token = SequenceFrames::Group;
   const auto step = [](void (SequenceFrames::*work)(Frame&), SequenceFrames& all) {
-    return [work, &all](const Token& frame) {
-      (all.*work)(*frame);
-      return frame;
+    return [work, &all](const Token& group) {
+      for (const auto& frame : group) (all.*work)(*frame);
+      return group;
     };
   };
   tbb::task_arena arena(threads);
@@ -423,18 +476,23 @@ void run_pipeline(SequenceFrames& frames, std::int64_t in_flight, int threads, R
         static_cast<std::size_t>(in_flight),
         tbb::make_filter<void, Token>(tbb::filter_mode::serial_in_order,
                                       [&](tbb::flow_control& control) {
-                                        Token frame = frames.next();
-                                        if (!frame) control.stop();
-                                        return frame;
+                                        Token group = frames.next_group();
+                                        if (group.empty()) control.stop();
+                                        return group;
                                       }) &
             tbb::make_filter<Token, Token>(tbb::filter_mode::parallel, step(&SequenceFrames::read, frames)) &
             tbb::make_filter<Token, Token>(tbb::filter_mode::serial_in_order, step(&SequenceFrames::plan, frames)) &
             tbb::make_filter<Token, Token>(
                 frames.remembers() ? tbb::filter_mode::serial_in_order : tbb::filter_mode::parallel,
-                step(&SequenceFrames::run, frames)) &
-            tbb::make_filter<Token, void>(tbb::filter_mode::serial_in_order, [&](const Token& frame) {
-              frames.finish(*frame);
-              watch.share("frames", frames.share_done());
+                [&](const Token& group) {
+                  frames.run(group);
+                  return group;
+                }) &
+            tbb::make_filter<Token, void>(tbb::filter_mode::serial_in_order, [&](const Token& group) {
+              for (const auto& frame : group) {
+                frames.finish(*frame);
+                watch.share("frames", frames.share_done());
+              }
             }));
   });
 }
@@ -460,10 +518,11 @@ std::int64_t run_frames(SequenceFrames& frames, int threads, RunWatch& watch) {
   std::int64_t in_flight = 1;
   try {
     frames.prepare();
-    in_flight = frames_in_flight(frames, threads);
+    const std::int64_t groups = groups_in_flight(frames, threads);
+    in_flight = groups * frames.together();
     frames.set_threads_a_frame(frames.remembers() ? threads
-                                                  : static_cast<int>(std::max<std::int64_t>(1, threads / in_flight)));
-    run_pipeline(frames, in_flight, threads, watch);
+                                                  : static_cast<int>(std::max<std::int64_t>(1, threads / groups)));
+    run_pipeline(frames, groups, threads, watch);
   } catch (const Cancelled&) {
     throw;
   } catch (...) {

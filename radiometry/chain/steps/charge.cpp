@@ -26,14 +26,21 @@ mtf::DeviceRandom device_random(const FrameRun& run, const NoiseKey& key, Stream
           static_cast<std::uint32_t>(origin.y)};
 }
 
+/// Lines that are fixed are those of all frames of a batch.
 void add_lines_on_device(const FrameRun& run, mtf::DeviceImage& image, double rms, const NoiseKey& key, Stream stream,
                          bool of_rows) {
   if (rms == 0.0) return;
-  const mtf::Image& frame = run.frame.image;
+  const mtf::Image& pixels = run.frame.image;
   const Origin origin = run.maps.origin();
-  image.add_lines(of_rows ? line_numbers(rms, key, stream, origin.y, frame.height())
-                          : line_numbers(rms, key, stream, origin.x, frame.width()),
-                  of_rows);
+  const bool changes = stream == Stream::temporal_row || stream == Stream::temporal_column;
+  std::vector<float> numbers;
+  for (std::int64_t i = 0; i < (changes ? image.frames() : 1); ++i) {
+    const NoiseKey of_frame{key.seed, key.frame + static_cast<std::uint32_t>(i) * image.step()};
+    const auto lines = of_rows ? line_numbers(rms, of_frame, stream, origin.y, pixels.height())
+                               : line_numbers(rms, of_frame, stream, origin.x, pixels.width());
+    numbers.insert(numbers.end(), lines.begin(), lines.end());
+  }
+  image.add_lines(numbers, of_rows);
 }
 
 bool has_well(const Sensor& sensor) { return std::isfinite(sensor.settings.detector->full_well_e); }

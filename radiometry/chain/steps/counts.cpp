@@ -2,13 +2,15 @@
 
 // From charge to counts, and what a camera does to its counts.
 
+#include <numeric>
+
 #include "radiometry/chain/steps/stage_rows.h"
 
 namespace radiometry {
 namespace {
 
 /// Where no flat frames can be made, a tenth of the scene or more may be saturated as well; the message names both.
-const TwoPoint& correction_of(const FrameRun& run) {
+std::shared_ptr<const TwoPoint> correction_of(const FrameRun& run) {
   try {
     return run.chain.correction(run.threads);
   } catch (const mtf::UsageError& refused) {
@@ -81,10 +83,19 @@ std::span<const StageRow> count_rows() {
                            " of full well" + mean};
        },
        .step = [](FrameRun& run, mtf::Image& counts) -> void {
-         const TwoPoint& maps = correction_of(run);
+         const auto maps = correction_of(run);
          run.lap("flat frames");
-         correct(counts.view(), maps, run.threads);
-         if (run.chain.settings.correction->replace_bad && !maps.bad.empty()) replace_bad(counts.view(), maps.bad);
+         correct(counts.view(), *maps, run.threads);
+         if (run.chain.settings.correction->replace_bad && !maps->bad.empty()) replace_bad(counts.view(), maps->bad);
+       },
+       .step_on_device = [](FrameRun& run, mtf::DeviceImage& counts) -> void {
+         const auto maps = run.chain.correction(run.threads);
+         counts.multiply_add({{maps, &maps->gain}}, {{maps, &maps->offset}});
+       },
+       // Flat frames take the filters of the chain, which wait for the device that this frame holds.
+       .stays = [](const FrameRun& run) -> bool {
+         const auto maps = run.chain.known_correction();
+         return maps && (maps->bad.empty() || !run.chain.settings.correction->replace_bad);
        }},
       {.name = "postsample",
        .part = display,
@@ -102,6 +113,28 @@ std::span<const StageRow> count_rows() {
          const AutomaticGain& agc = *run.chain.settings.agc;
          apply(image.view(), tone_curve(image.view(), agc, run.threads), run.threads);
          if (agc.polarity == Polarity::black_hot) invert_polarity(image.view(), agc.most_level);
+       },
+       .step_on_device = [](FrameRun& run, mtf::DeviceImage& image) -> void {
+         const AutomaticGain& agc = *run.chain.settings.agc;
+         for (std::int64_t frame = 0; frame < image.frames(); ++frame) {
+           image.choose(frame);
+           const std::vector<std::uint32_t> order = image.order();
+           const auto value_at = [&](std::int64_t rank) { return static_cast<double>(image.value_at(rank, order)); };
+           const ToneCurve curve =
+               tone_curve({.finite = std::reduce(order.begin(), order.end(), std::int64_t{0}),
+                           .values_at = [&](const auto& ranks) -> std::array<double, 2> {
+                             return {value_at(ranks[0]), value_at(ranks[1])};
+                           },
+                           .histogram = [&](double low, double scale, std::int64_t bins) -> std::vector<std::int64_t> {
+                             const std::vector<std::uint32_t> counts = image.histogram(low, scale, bins);
+                             return {counts.begin(), counts.end()};
+                           }},
+                          agc);
+           image.tone(curve.level, curve.low, curve.scale());
+         }
+         const auto most = static_cast<float>(agc.most_level);
+         if (agc.polarity == Polarity::black_hot) image.multiply_add({{}, -1.0F}, {{}, most});
+         if (run.whole_levels && most == 255.0F) image.round_to_bytes();
        }}};
   return kRows;
 }

@@ -74,14 +74,15 @@ Extent extent_of(mtf::ImageView<const float> frame, int threads) {
   });
 }
 
-/// Bin of a value among `bins` between low and high, both included; values outside and NaN have none.
+/// Bin of a value among `bins` between two ends, both included; values outside and NaN have none.
 struct Bins {
   double low, scale;
   std::int64_t bins;
-
-  Bins(double from, double to, std::int64_t count)
-      : low(from), scale(static_cast<double>(count) / (to - from)), bins(count) {}
 };
+
+Bins bins_between(double low, double high, std::int64_t bins) {
+  return {low, static_cast<double>(bins) / (high - low), bins};
+}
 
 /// The bins of `count` values; `bin.bins` where they have none.
 MTFKIT_CLONES void bins_of(const Bins& bin, const float* value, std::int64_t count, std::int32_t* out) {
@@ -132,7 +133,7 @@ Counts histogram(mtf::ImageView<const float> frame, const Bins& bin, int threads
 std::array<double, 2> values_at(mtf::ImageView<const float> frame, const Extent& extent,
                                 const std::array<std::int64_t, 2>& ranks, int threads) {
   if (!(extent.high > extent.low)) return {static_cast<double>(extent.low), static_cast<double>(extent.low)};
-  const Bins bin(static_cast<double>(extent.low), static_cast<double>(extent.high), kRankBins);
+  const Bins bin = bins_between(static_cast<double>(extent.low), static_cast<double>(extent.high), kRankBins);
   const Counts counts = histogram(frame, bin, threads);
   std::array<std::int64_t, 2> rank = ranks, wanted{};
   std::array<float, 2> from{}, to{};
@@ -195,7 +196,7 @@ void require_curve(const ToneCurve& curve) {
 /// Puts display levels in the place of values; a NaN stays one.
 void on_curve(float* value, std::int64_t count, const ToneCurve& curve) {
   const std::size_t intervals = curve.level.size() - 1;
-  const double scale = static_cast<double>(intervals) / (curve.high - curve.low);
+  const double scale = curve.scale();
   std::array<std::int32_t, kPiece> interval;
   std::array<float, kPiece> share;
   each_piece(value, count, [&](float* piece, std::int64_t here) {
@@ -216,13 +217,23 @@ float ToneCurve::at(float value) const {
 }
 
 ToneCurve tone_curve(mtf::ImageView<const float> frame, const AutomaticGain& gain, int threads) {
-  require_valid("agc", gain);
   const Extent extent = extent_of(frame, threads);
-  if (extent.count == 0) throw mtf::UsageError("agc: a frame without a finite pixel; give a frame with one");
+  return tone_curve({.finite = extent.count,
+                     .values_at = [&](const auto& ranks) { return values_at(frame, extent, ranks, threads); },
+                     .histogram =
+                         [&](double low, double scale, std::int64_t bins) {
+                           return histogram(frame, {low, scale, bins}, threads);
+                         }},
+                    gain);
+}
+
+ToneCurve tone_curve(const FramePixels& pixels, const AutomaticGain& gain) {
+  require_valid("agc", gain);
+  if (pixels.finite == 0) throw mtf::UsageError("agc: a frame without a finite pixel; give a frame with one");
   const auto rank = [&](double part) {
-    return static_cast<std::int64_t>(std::floor(part * static_cast<double>(extent.count - 1) + 0.5));
+    return static_cast<std::int64_t>(std::floor(part * static_cast<double>(pixels.finite - 1) + 0.5));
   };
-  const auto [low, high] = values_at(frame, extent, {rank(gain.clip), rank(1.0 - gain.clip)}, threads);
+  const auto [low, high] = pixels.values_at({rank(gain.clip), rank(1.0 - gain.clip)});
   ToneCurve curve{.low = low, .high = high};
   const auto most = static_cast<float>(gain.most_level);
   if (!(curve.high > curve.low)) {
@@ -233,10 +244,11 @@ ToneCurve tone_curve(mtf::ImageView<const float> frame, const AutomaticGain& gai
   curve.level = {0.0F, most};
   if (gain.method == GainMethod::linear) return curve;
 
-  const Counts pixels = histogram(frame, Bins(curve.low, curve.high, gain.bins), threads);
-  std::vector<double> count(pixels.begin(), pixels.end());
+  const Bins bin = bins_between(curve.low, curve.high, gain.bins);
+  const Counts counts = pixels.histogram(bin.low, bin.scale, bin.bins);
+  std::vector<double> count(counts.begin(), counts.end());
   // A cap below 1 pixel would leave no display levels at all.
-  const double cap = std::max(1.0, gain.plateau * static_cast<double>(extent.count));
+  const double cap = std::max(1.0, gain.plateau * static_cast<double>(pixels.finite));
   double total = 0.0;
   for (double& c : count) total += c = std::min(c, cap);
   curve.level.assign(1, 0.0F);

@@ -9,6 +9,8 @@
 // Display levels are linear numbers from 0 to the largest; rounding to integers is left to the file that is written.
 
 #include <array>
+#include <cstdint>
+#include <functional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -55,7 +57,19 @@ struct ToneCurve {
 
   /// NaN for NaN. Throws mtf::UsageError for a curve without an interval.
   float at(float value) const;
+  /// Intervals of the curve for one unit of value.
+  double scale() const { return static_cast<double>(level.size() - 1) / (high - low); }
 };
+
+/// What a curve is made from: the pixels of a frame, wherever it is.
+struct FramePixels {
+  std::int64_t finite = 0;  ///< how many of them
+  /// The values at two ranks of the sorted finite ones.
+  std::function<std::array<double, 2>(const std::array<std::int64_t, 2>& ranks)> values_at;
+  /// How many have (value - low) x scale in each of so many intervals of 1 from 0 on, the end in the last.
+  std::function<std::vector<std::int64_t>(double low, double scale, std::int64_t bins)> histogram;
+};
+ToneCurve tone_curve(const FramePixels& pixels, const AutomaticGain& gain);
 
 /// The curve of a frame; NaN pixels do not count. A uniform frame gets the display level in the middle. Throws
 /// UsageError for settings out of bounds and a frame without a finite pixel.
