@@ -223,7 +223,7 @@ constexpr double kNoiseDoubt = 1.5;  // residuals / noise
 /// Residuals of curves and spots far below the noise that was given are those of tables and rounding.
 constexpr double kBelowNoiseChi2 = 0.04;
 /// Residuals this many times the noise are no noise, whatever their structure: the sd of a curve may be known to a
-/// factor of two, a spot's own photons may make its peak noisier than the background is.
+/// factor of two; the noise of a spot's own photons is estimated from few pixels.
 constexpr double kCurveChi2 = 6.0, kSpotChi2 = 30.0;
 
 /// Chi-square a degree of freedom that noise cannot explain.
