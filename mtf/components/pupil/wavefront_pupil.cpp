@@ -243,7 +243,7 @@ void add_cap(const Phase& phase, const PupilCap& cap, const Nodes& nodes, bool a
       for (std::size_t j = 0; j < moments; ++j, y_power *= half_chord) {
         if (even && j % 2 == 1) continue;
         Cplx power = y_power * Cplx(real[j], imaginary[j]);
-        for (std::size_t i = 0; i + j < moments; ++i, power *= u) sums.moment[i][j] += power;
+        for (std::size_t k = 0; k + j < moments; ++k, power *= u) sums.moment[k][j] += power;
       }
     }
     if (!arcs) continue;
