@@ -282,6 +282,10 @@ std::vector<std::string> budget_notes(const Sensor& sensor, const Budget<double>
     notes.emplace_back(
         "[noise] shot = false leaves shot noise out of simulated frames; the budget counts it, as light and dark "
         "current have it whatever is simulated");
+  if (budget.slope != 1.0 && !budget.saturation.saturated())
+    notes.push_back("[nonlinearity]: at this charge the response rises by " + mtf::three_digits(budget.slope) +
+                    " of what the charge does; noise behind it (read, reset, other, quantisation, dsnu) stands here as "
+                    "charge, that of the readout divided by this slope");
   if (const double share = filled_by_dark(sensor, budget); share > 3.2e-5 && !budget.saturation.saturated())
     notes.push_back("nonuniformity.dcnu gives " + mtf::three_digits(1e2 * share) +
                     " % of the pixels so much dark current that they fill the well; the figures are those of the "

@@ -81,15 +81,17 @@ std::optional<FlatFrames<S>> flat_frames(const SensorSettings& settings, const P
   const S slow = slow_variance(settings, numbers);
   const int frames = correction.frames;
   const double one = kept_of_flicker(settings, frames), both = kept_of_flicker(settings, 2 * frames);
+  const Nonlinearity response = settings.nonlinearity.value_or(Nonlinearity{});
+  const S dark_slope = S(1) + Bow<S>(response, pixel.full_well_e, electrons.dark_e).slope;
   FlatFrames<S> flats{.low_e = S(correction.low) * pixel.full_well_e - lost_e,
                       .high_e = S(correction.high) * pixel.full_well_e - lost_e,
                       .dark_e = electrons.dark_e,
                       .full_well_e = pixel.full_well_e,
-                      .variance = budget.floor_e * budget.floor_e - electrons.dark_e - frame_wide * frame_wide +
-                                  slow * S(frames * one - 1.0),
+                      .variance = (budget.floor_e * budget.floor_e - electrons.dark_e) * dark_slope * dark_slope -
+                                  frame_wide * frame_wide + slow * S(frames * one - 1.0),
                       .frames = static_cast<double>(frames),
                       .shared = slow * S(2.0 * both - one),
-                      .response = settings.nonlinearity.value_or(Nonlinearity{})};
+                      .response = response};
   const S background = electrons.optics_e + electrons.stop_e + electrons.dark_e;
   if (mtf::value_of(flats.low_e) < mtf::value_of(background)) return std::nullopt;
   return flats;
@@ -118,7 +120,8 @@ Budget<S> sensor_budget(const mtf::System<S>& system, const SensorSettings& sett
   const S middle = pixel.quantum_efficiency * spectral.thermal.middle;
   pixel.quantum_efficiency = pixel.quantum_efficiency * spectral.quantum_efficiency;
   Budget<S> budget =
-      make_budget(pixel, electrons, noise, S(gain * spectral.per_k), range_numbers(settings, pixel, numbers));
+      make_budget(pixel, electrons, noise, S(gain * spectral.per_k), range_numbers(settings, pixel, numbers),
+                  settings.nonlinearity.value_or(Nonlinearity{}));
   budget.contrast_e = gain * spectral.contrast;
   if (pixel.thermal()) budget.nep_w = budget.temporal_e / (pixel.volts_per_watt * middle);
   if (settings.correction && settings.thermal) {

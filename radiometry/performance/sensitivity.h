@@ -9,6 +9,9 @@
 // Spatial terms: responsivity (PRNU x electrons of light), offset and dark charge (DSNU and DCNU), both after
 // correction (correction_residual.h says what a two-point correction leaves), the noise of the flat frames that it was
 // made from, and the error of rounding that no noise dithers.
+// All noise counts as charge. Where the response R of a pixel is not linear (nonlinearity.h), what comes behind it, all
+// but shot noise, PRNU and DCNU, is divided by its slope R'(e) at the charge of the scene, in the floor at the dark
+// charge.
 //   NETD  temporal noise / (d electrons / dT)
 //   NEI   noise / (QE A t), photons s^-1 m^-2 at the detector, of the spectrum that the scene has there; QE the mean
 //         over those photons
@@ -27,6 +30,7 @@
 #include "mtf/component.h"
 #include "radiometry/light/constants.h"
 #include "radiometry/light/signal.h"
+#include "radiometry/stages/detector/nonlinearity.h"
 #include "radiometry/stages/detector/saturation.h"
 
 namespace radiometry {
@@ -129,6 +133,7 @@ struct Budget {
   Signal<S> signal;
   S well_fill{};
   S signal_per_k{};  ///< d electrons / dT
+  S slope{1};        ///< of the response at this charge, by which noise behind it has been divided
   S contrast_e{};    ///< electrons that a target has more than the scene, where one is given (sensor_budget.h)
   // Temporal noise, e- rms.
   S scene_shot_e{}, background_shot_e{}, dark_shot_e{}, read_e{}, reset_e{}, other_e{}, quantisation_e{};
@@ -187,10 +192,10 @@ PixelScatter scatter_of(const Budget<S>& b, bool shot) {
 
 /// `signal_per_k` in electrons per K: electrons_per_radiance x scene_derivative, or a difference of signals.
 /// `pixel.quantum_efficiency`: the whole one, with mean_quantum_efficiency where curves have a part in it. `range`: of
-/// the converter, where there is one.
+/// the converter, where there is one. `response`: of the pixel, with a finite full well.
 template <class S>
 Budget<S> make_budget(const Pixel<S>& pixel, const Signal<S>& signal, const NoiseTerms<S>& noise, const S& signal_per_k,
-                      const PixelRange& range = {}) {
+                      const PixelRange& range = {}, const Nonlinearity& response = {}) {
   using detail::root;
   Budget<S> b;
   b.signal = signal;
@@ -203,24 +208,27 @@ Budget<S> make_budget(const Pixel<S>& pixel, const Signal<S>& signal, const Nois
   b.scene_shot_e = root(S(shot * scene));
   b.background_shot_e = root(S(shot * background));
   b.dark_shot_e = root(S(shot * signal.dark_e));
-  b.read_e = noise.read_e;
-  b.reset_e = noise.reset_e;
-  b.other_e = noise.other_e;
-  const S dark2 = shot * signal.dark_e + b.read_e * b.read_e + b.reset_e * b.reset_e + b.other_e * b.other_e;
-  b.floor_e = root(S(dark2 + noise.step_e * noise.step_e / S(12)));
-  const S before2 = shot * (scene + background) + dark2;
-  if (const double step_e = mtf::value_of(noise.step_e); step_e > 0.0) {
-    const S steps = root(before2) / noise.step_e;
+  const auto slope_at = [&](const S& charge_e) { return S(1) + Bow<S>(response, pixel.full_well_e, charge_e).slope; };
+  b.slope = slope_at(signal.total_e());
+  b.read_e = noise.read_e / b.slope;
+  b.reset_e = noise.reset_e / b.slope;
+  b.other_e = noise.other_e / b.slope;
+  const S behind2 = noise.read_e * noise.read_e + noise.reset_e * noise.reset_e + noise.other_e * noise.other_e,
+          readout2 = behind2 / (b.slope * b.slope), step_e = noise.step_e / b.slope, at_dark = slope_at(signal.dark_e);
+  b.floor_e = root(S(shot * signal.dark_e + (behind2 + noise.step_e * noise.step_e / S(12)) / (at_dark * at_dark)));
+  const S before2 = shot * (scene + background + signal.dark_e) + readout2;
+  if (mtf::value_of(step_e) > 0.0) {
+    const S steps = root(before2) / step_e;
     const RoundingNoise rounding = rounding_noise(mtf::value_of(steps));
-    b.quantisation_e = noise.step_e * root(mtf::lift(rounding.temporal, steps));
-    b.rounding_e = noise.step_e * root(mtf::lift(rounding.fixed, steps));
-    b.dither = {mtf::value_of(steps), rounding.response, step_e / mtf::value_of(signal_per_k)};
+    b.quantisation_e = step_e * root(mtf::lift(rounding.temporal, steps));
+    b.rounding_e = step_e * root(mtf::lift(rounding.fixed, steps));
+    b.dither = {mtf::value_of(steps), rounding.response, mtf::value_of(step_e) / mtf::value_of(signal_per_k)};
   }
   b.temporal_e = root(S(before2 + b.quantisation_e * b.quantisation_e));
   const S light = scene + background;  // below 0 where a scene is colder than the shutter of a thermal detector
   b.prnu_e = noise.prnu * (mtf::value_of(light) < 0.0 ? S(-light) : light);
   b.dcnu_e = noise.dcnu_e;
-  b.dsnu_e = root(S(noise.dsnu_e * noise.dsnu_e + noise.dcnu_e * noise.dcnu_e));
+  b.dsnu_e = root(S(noise.dsnu_e * noise.dsnu_e / (b.slope * b.slope) + noise.dcnu_e * noise.dcnu_e));
   b.snr = signal.scene_e / b.temporal_e;
   b.shot_netd_k = root(S(shot * (scene + background))) / signal_per_k;
   b.netd_k = b.temporal_e / signal_per_k;
