@@ -123,6 +123,10 @@ Budget<S> sensor_budget(const mtf::System<S>& system, const SensorSettings& sett
       make_budget(pixel, electrons, noise, S(gain * spectral.per_k), range_numbers(settings, pixel, numbers),
                   settings.nonlinearity.value_or(Nonlinearity{}));
   budget.contrast_e = gain * spectral.contrast;
+  const S end_e = converter_end_e(settings, pixel, numbers);
+  if (!pixel.thermal() && mtf::value_of(end_e) < mtf::value_of(pixel.full_well_e) &&
+      !std::isnan(mtf::value_of(budget.dynamic_range)))
+    budget.dynamic_range = end_e / budget.floor_e;
   if (pixel.thermal()) budget.nep_w = budget.temporal_e / (pixel.volts_per_watt * middle);
   if (settings.correction && settings.thermal) {
     const S slow = pixel.volts_per_watt * thermal_noise_of(settings, pixel, spectral.thermal, numbers).flicker_w;

@@ -135,6 +135,9 @@ struct Budget {
   S signal_per_k{};  ///< d electrons / dT
   S slope{1};        ///< of the response at this charge, by which noise behind it has been divided
   S contrast_e{};    ///< electrons that a target has more than the scene, where one is given (sensor_budget.h)
+  S full_well_e{};
+  Nonlinearity response{};
+  PixelRange range{};  ///< of the converter
   // Temporal noise, e- rms.
   S scene_shot_e{}, background_shot_e{}, dark_shot_e{}, read_e{}, reset_e{}, other_e{}, quantisation_e{};
   S temporal_e{};  ///< their root sum of squares
@@ -149,7 +152,7 @@ struct Budget {
   S spatial_netd_k{};  ///< from the spatial noise
   S nei_ph{};          ///< photons s^-1 m^-2 at the detector; W m^-2 of a thermal one
   S nep_w{};           ///< of a thermal detector: incident power that equals the temporal noise
-  S dynamic_range{};   ///< full well / floor, a ratio
+  S dynamic_range{};   ///< full well / floor, or the end of the converter where that comes first (sensor_budget.h)
   Saturation saturation{};
   Dither dither{};
 };
@@ -177,6 +180,28 @@ void refuse_saturated(Budget<S>& b) {
   if (s.end != RangeEnd::least_count && mtf::value_of(b.signal.dark_e) >= s.end_e) b.floor_e = b.dynamic_range = none;
 }
 
+/// What ends the values of a target with so many more electrons than the scene.
+template <class S>
+Saturation target_saturation(const Budget<S>& b, const S& more_e) {
+  const double more = mtf::value_of(more_e), more2 = b.saturation.volts ? 0.0 : std::max(more, 0.0);
+  const double shot_e = std::hypot(mtf::value_of(b.scene_shot_e), mtf::value_of(b.background_shot_e),
+                                   std::hypot(mtf::value_of(b.dark_shot_e), std::sqrt(more2)));
+  Saturation s = saturation_of({.mean_e = mtf::value_of(b.signal.total_e()) + more,
+                                .well_e = shot_e,
+                                .converter_e = std::hypot(mtf::value_of(b.temporal_e), std::sqrt(more2))},
+                               b.range, mtf::value_of(b.full_well_e));
+  s.volts = b.saturation.volts;
+  return s;
+}
+
+/// What frames show of so many more electrons than the scene's: (R(e + more) - R(e)) / R'(e), charge as all the rest.
+template <class S>
+S seen_difference(const Budget<S>& b, const S& more_e) {
+  const S scene_e = b.signal.total_e();
+  const Bow<S> here(b.response, b.full_well_e, scene_e), there(b.response, b.full_well_e, S(scene_e + more_e));
+  return (more_e + there.value - here.value) / b.slope;
+}
+
 /// How the values of all pixels and frames scatter in the well and before the converter (which adds its rounding). The
 /// spatial terms of the budget have to be those before any correction.
 template <class S>
@@ -199,6 +224,9 @@ Budget<S> make_budget(const Pixel<S>& pixel, const Signal<S>& signal, const Nois
   using detail::root;
   Budget<S> b;
   b.signal = signal;
+  b.full_well_e = pixel.full_well_e;
+  b.response = response;
+  b.range = range;
   b.well_fill = radiometry::well_fill(signal, pixel);
   b.signal_per_k = signal_per_k;
   const S scene = signal.scene_e + signal.path_e, background = signal.optics_e + signal.stop_e + signal.shutter_e;

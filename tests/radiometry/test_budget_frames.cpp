@@ -75,7 +75,38 @@ TEST(BudgetOfFrames, noise_behind_a_bent_response_counts_by_its_slope) {
     // Without light the slope is that of the dark charge.
     const double dark_slope = 1.0 - 0.9 * 4e5 / well_e;
     EXPECT_NEAR(flat_scenes(sensor, 20.0).temporal_e / (dark_slope * budget.floor_e), 1.0, 0.01) << fill;
+    // A target that is no small difference: (R(e + c) - R(e)) / R'(e), with R by its polynomial.
+    const auto response = [&](double e) { return e * (1.0 - 0.45 * e / well_e); };
+    const double more_e = 0.1 * well_e;
+    EXPECT_NEAR(seen_difference(budget, more_e), (response(all_e + more_e) - response(all_e)) / slope, 1e-9 * more_e);
   }
+}
+
+// 12 bits of 60 e- end at 4095.5 counts, of which noise without light has 8.
+TEST(BudgetOfFrames, the_end_of_the_converter_ends_the_dynamic_range_and_holds_targets) {
+  Sensor sensor = test::mwir_sensor();
+  sensor.settings.detector->full_well_e = 2e6;
+  sensor.settings.detector->read_e = 500.0;
+  sensor.settings.adc = AdcSettings{.bits = 12, .electrons_per_count = 60.0};
+  mtf::System<double> system = mwir_system();
+  system.frame.integration_time_s = 2e-4;
+  Budget<double> budget = budget_of(system, sensor, 300.0);
+  const double floor_e = std::hypot(500.0, 60.0 / std::sqrt(12.0)), end_e = 4095.5 * 60.0;
+  EXPECT_NEAR(budget.dynamic_range, end_e / floor_e, 1e-9);
+  const double room_e = end_e - budget.signal.total_e();
+  EXPECT_FALSE(target_saturation(budget, 0.98 * room_e).saturated());
+  EXPECT_TRUE(target_saturation(budget, 1.02 * room_e).saturated());
+  EXPECT_EQ(target_saturation(budget, 1.02 * room_e).end, RangeEnd::most_count);
+  sensor.settings.adc->electrons_per_count = 600.0;  // beyond the well
+  budget = budget_of(system, sensor, 300.0);
+  EXPECT_NEAR(budget.dynamic_range, 2e6 / std::hypot(500.0, 600.0 / std::sqrt(12.0)), 1e-6);
+  EXPECT_EQ(target_saturation(budget, 2e6).end, RangeEnd::full_well);
+  // With a bent response the end is the charge whose response it is.
+  sensor.settings.adc->electrons_per_count = 60.0;
+  sensor.settings.nonlinearity = Nonlinearity{.a2 = -0.2};
+  budget = budget_of(system, sensor, 300.0);
+  const double v = end_e / 2e6, charge_e = 2e6 * 2.0 * v / (1.0 + std::sqrt(1.0 - 0.8 * v));
+  EXPECT_NEAR(budget.dynamic_range * budget.floor_e / charge_e, 1.0, 1e-12);
 }
 
 }  // namespace

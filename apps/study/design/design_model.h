@@ -142,6 +142,10 @@ class DesignModel {
         };
     if (plan_->bars && design_.budget && !saturated) taken([this] { observe_bars(design_); });
     if (light.course && spatial) taken([&] { find_ranges(light, roots); });
+    if (light.course && design_.budget && !saturated)
+      if (const auto held = target_saturation(*design_.budget, design_.budget->contrast_e); held.saturated())
+        caution("the target of [conditions], at the scene and behind the sensor's own air, is " + words(held) +
+                "; ranges take its contrast as if nothing held it");
     for (std::size_t i = 0; i < values.size(); ++i)
       if (!taken([&] { values[i] = metric_value(plan_->choices[i], design_, plan_->at[i]); }))
         values[i] = detail::not_there<S>();
