@@ -132,9 +132,11 @@ template <class S>
 struct Budget {
   Signal<S> signal;
   S well_fill{};
-  S signal_per_k{};  ///< d electrons / dT
-  S slope{1};        ///< of the response at this charge, by which noise behind it has been divided
-  S contrast_e{};    ///< electrons that a target has more than the scene, where one is given (sensor_budget.h)
+  S signal_per_k{};     ///< d electrons / dT
+  S slope{1};           ///< of the response at this charge, by which noise behind it has been divided
+  S contrast_e{};       ///< electrons that a target has more than the scene, where one is given (sensor_budget.h)
+  S contrast_share{1};  ///< of the scene's electrons, what stray light leaves of a small target's contrast
+  S light_share{1};     ///< what vignetting leaves of the light of a scene
   S full_well_e{};
   Nonlinearity response{};
   PixelRange range{};  ///< of the converter

@@ -109,5 +109,90 @@ TEST(BudgetOfFrames, the_end_of_the_converter_ends_the_dynamic_range_and_holds_t
   EXPECT_NEAR(budget.dynamic_range * budget.floor_e / charge_e, 1.0, 1e-12);
 }
 
+// Electrons of a flat frame and of one pixel that is a little brighter, through the chain's own stray light. The mean
+// follows the pixel by 1/4096.
+TEST(BudgetOfFrames, stray_light_adds_electrons_and_takes_contrast) {
+  Sensor sensor = quiet(noisy_sensor());
+  sensor.settings.glare = VeilingGlare{.fraction = 0.1, .offset = 0.3};
+  sensor.settings.ghost = Ghost{.fraction = 0.05};
+  mtf::System<double> system = mwir_system();
+  system.stages[0].clear();  // a pixel stays a pixel
+  const Budget<double> budget = budget_of(system, sensor, 300.0);
+  const float light = weighted_light(sensor, 300.0);
+  mtf::Image scene = test::flat(64, 64, light);
+  const double flat_e = static_cast<double>(electrons_of(sensor, system, scene).at(9, 20));
+  EXPECT_NEAR(flat_e / budget.signal.total_e(), 1.0, 1e-6);
+  const SpectralNumbers<double> spectral = spectral_numbers(sensor, sensor.path, 300.0);
+  const double step_k = 0.1 * spectral.radiances.scene / spectral.per_k;
+  scene.at(9, 20) = static_cast<float>(static_cast<double>(light) + step_k * spectral.per_k);
+  const double seen_per_k = (static_cast<double>(electrons_of(sensor, system, scene).at(9, 20)) - flat_e) / step_k;
+  EXPECT_NEAR(seen_per_k / budget.signal_per_k, 1.0, 3e-4);
+  EXPECT_NEAR(budget.contrast_share, 0.9 * 0.95 / 1.3, 1e-15);
+  EXPECT_TRUE(says(budget_notes(sensor, budget), "[veiling_glare] and [ghost]"));
+}
+
+// Each pixel of a frame against the budget of its place: numbers, a map, and a thermal camera whose shutter stands
+// behind the cone that vignetting narrows.
+TEST(BudgetOfFrames, a_place_has_the_light_that_vignetting_leaves_there) {
+  const auto expect_places = [](const mtf::System<double>& system, const Sensor& sensor) {
+    const mtf::Image frame = electrons_of(sensor, system, test::flat(64, 48, weighted_light(sensor, 305.0)));
+    for (const auto& [x, y] : {std::pair{0, 0}, {63, 47}, {40, 3}, {32, 24}}) {
+      const mtf::System<double> here = system.at(system.field_point(x + 0.5, y + 0.5));
+      const Budget<double> budget = budget_of(here, sensor, 305.0), axis = budget_of(system, sensor, 305.0);
+      EXPECT_NEAR(static_cast<double>(frame.at(x, y)) / budget.signal.total_e(), 1.0, 2e-6) << x << ", " << y;
+      EXPECT_NEAR(budget.signal_per_k / axis.signal_per_k, budget.light_share, 1e-14);
+      EXPECT_EQ(axis.light_share, 1.0);
+    }
+    EXPECT_TRUE(says(budget_notes(sensor, budget_of(system, sensor, 305.0)), "[vignetting]"));
+  };
+  mtf::System<double> mwir = mwir_system();
+  mwir.frame.columns = 64, mwir.frame.rows = 48;
+  mwir.frame.focal_length_mm = 1.0;
+  Sensor sensor = quiet(noisy_sensor());
+  sensor.settings.vignetting = Vignetting{.a2 = -0.2, .a4 = 0.05, .a6 = -0.02};
+  expect_places(mwir, sensor);
+  const double tangent2 = (std::pow(31.5 * 15.0, 2) + std::pow(23.5 * 15.0, 2)) * 1e-6;
+  const double r2 = (31.5 * 31.5 + 23.5 * 23.5) / (32.0 * 32.0 + 24.0 * 24.0);
+  EXPECT_NEAR(budget_of(mwir.at(mwir.field_point(0.5, 0.5)), sensor, 305.0).light_share,
+              (1.0 - 0.2 * r2 + 0.05 * r2 * r2 - 0.02 * r2 * r2 * r2) / std::pow(1.0 + tangent2, 2), 1e-12);
+  sensor.settings.vignetting = Vignetting{.map = "flat.exr"};
+  mtf::Image map(64, 48);
+  for (std::int64_t y = 0; y < 48; ++y)
+    for (std::int64_t x = 0; x < 64; ++x)
+      map.at(x, y) = 0.5F + 0.005F * static_cast<float>(x) + 0.002F * static_cast<float>(y);
+  sensor.vignetting = std::make_shared<const mtf::Image>(std::move(map));
+  expect_places(mwir, sensor);
+  mwir.frame.columns = mwir.frame.rows = 0;
+  Sensor sizeless = quiet(noisy_sensor());
+  sizeless.settings.vignetting = Vignetting{};
+  expect_says(message_of<mtf::UsageError>([&] {
+                budget_of(mwir.at({0.5, 0.0}), sizeless, 305.0);
+              }),
+              {"[vignetting]", "frame.format"});
+
+  mtf::System<double> lwir = test::lwir_system();
+  lwir.frame.columns = 64, lwir.frame.rows = 48;
+  lwir.frame.focal_length_mm = 1.0;
+  for (const ShutterPlace place : {ShutterPlace::detector, ShutterPlace::optics}) {
+    ThermalSettings thermal = test::by_netd();
+    thermal.shutter_k = 291.0;
+    thermal.shutter_place = place;
+    Sensor bolometer = test::sensor_of(thermal);
+    bolometer.settings.optics =
+        OpticsSettings{.transmission = {0.9}, .emissivity = 0.1, .temperature_k = 296.0, .stop_temperature_k = 299.0};
+    bolometer.settings.vignetting = Vignetting{.a2 = -0.3};
+    expect_places(lwir, bolometer);
+  }
+}
+
+TEST(BudgetOfFrames, a_note_says_that_bad_pixels_are_not_in_it) {
+  Sensor sensor = noisy_sensor();
+  EXPECT_TRUE(budget_notes(sensor, budget_of(mwir_system(), sensor, 300.0)).empty());
+  sensor.settings.defects = Defects{.hot_fraction = 0.01};
+  EXPECT_TRUE(says(budget_notes(sensor, budget_of(mwir_system(), sensor, 300.0)), "[defects]: "));
+  sensor.settings.blinking = Blinking{};
+  EXPECT_TRUE(says(budget_notes(sensor, budget_of(mwir_system(), sensor, 300.0)), "[defects] and [blinking]: "));
+}
+
 }  // namespace
 }  // namespace radiometry

@@ -39,7 +39,7 @@ class DesignModel {
       : study_(&study),
         plan_(&plan),
         variant_(&variant),
-        isoplanatic_(system.is_isoplanatic()),
+        isoplanatic_(system.is_isoplanatic() && !(plan.budget && has_vignetting(variant))),
         system_(std::move(system)),
         meter_(plan.needs),
         range_meter_(curves_alone(std::is_same_v<S, double> ? kForDifferences : kForSlopes)) {
@@ -306,8 +306,10 @@ class DesignModel {
   }
 
   radiometry::Budget<S> budget(const radiometry::SpectralNumbers<S>& spectral) const {
-    return radiometry::sensor_budget(here(), variant_->loaded->sensor.settings, spectral, variant_->flicker_e,
-                                     radiometry::Overrides<S>{std::span<const radiometry::Override<S>>(overrides_)});
+    const radiometry::Sensor& sensor = variant_->loaded->sensor;
+    return radiometry::sensor_budget(here(), sensor.settings, spectral, variant_->flicker_e,
+                                     radiometry::Overrides<S>{std::span<const radiometry::Override<S>>(overrides_)},
+                                     light_share(here(), sensor.settings, sensor.vignetting.get()));
   }
 
   /// Root of the mean of |OTF|^2 of the digital filters over the base band: the factor by which they raise white noise.

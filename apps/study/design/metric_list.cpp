@@ -310,7 +310,7 @@ std::string metric_gap(const MetricChoice& choice, const Study& study, const Var
   const bool pupil = effort == Effort::light || metric == Metric::q;
   if (pupil && std::none_of(list.begin(), list.end(), [](const auto& e) { return e.component.is_pupil(); }))
     return "no pupil: diffraction, defocus or wavefront";
-  const bool over_image = choice.over != Over::axis && !sensor.system.is_isoplanatic();
+  const bool over_image = choice.over != Over::axis && (!sensor.system.is_isoplanatic() || has_vignetting(sensor));
   if ((metric == Metric::fov || over_image) && (sensor.system.frame.columns <= 0 || sensor.system.frame.rows <= 0))
     return "no [frame] format; write format = [640, 512], columns and rows";
   if (effort == Effort::spurious && !mtf::is_reconstructed(sensor.system))

@@ -149,7 +149,8 @@ S target_snr(const Design<S>& d) {
   const radiometry::Budget<S>& b = *d.budget;
   const Conditions& conditions = *d.conditions;
   if (!conditions.contrast_k && !conditions.signal_contrast) return not_there<S>();
-  const S more_e = conditions.contrast_k ? b.contrast_e : S(S(*conditions.signal_contrast) * b.signal.scene_e);
+  const S more_e =
+      conditions.contrast_k ? b.contrast_e : S(S(*conditions.signal_contrast) * b.contrast_share * b.signal.scene_e);
   if (b.saturation.saturated()) return not_there<S>();
   if (const radiometry::Saturation held = target_saturation(b, more_e); held.saturated())
     throw mtf::UsageError("the target of [conditions] is " + words(held));

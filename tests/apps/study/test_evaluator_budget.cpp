@@ -197,6 +197,41 @@ TEST(EvaluatorBudget, ATargetThatTheConverterHoldsHasNoNumber) {
   expect_says(range.evaluator->last_caution(), {"target of [conditions]", "largest count of [adc]", "ranges"});
 }
 
+// cos^4 alone changes over the image here, and takes light of scene and path: bars are seen worst in the corners, by
+//   sqrt((v s^2 + r^2)/(s^2 + r^2))/v,   s their shot noise, r all other noise on the axis, v what is left of the
+//   light.
+TEST(EvaluatorBudget, VignettingTakesLightFromPlacesOfTheImage) {
+  const Folder folder;
+  std::string camera = mwir_camera("0.7");
+  const std::size_t spatial = camera.find("[nonuniformity]");
+  camera.replace(spatial, camera.find("[adc]") - spatial, "[vignetting]\ncos4 = true\n");
+  folder.write("camera.toml", replaced(camera, "focal_length = \"100 mm\"", "focal_length = \"1 mm\""));
+  const std::string study =
+      "schema = 1\nsensor = \"camera.toml\"\n[[axis]]\nparameter = \"frame.focal_length\"\n"
+      "values = [\"1 mm\", \"1.5 mm\"]\n[[axis]]\nparameter = \"optics.f_number\"\nvalues = [2.0]\n"
+      "[metrics]\nlist = [\"mrtd\", \"mrtd.worst\", \"mrtd.mean\", \"scene_shot_noise\", \"temporal_noise\"]\n"
+      "[conditions]\ntemperature = \"290 K\"\n";
+  Evaluated e = evaluated(folder, study);
+  for (const std::int64_t design : {0, 1}) {
+    e.at(design);
+    const double focal_um = design == 0 ? 1000.0 : 1500.0, shot = std::pow(e["scene_shot_noise"], 2),
+                 all = std::pow(e["temporal_noise"], 2);
+    double mean = 0.0, worst = 0.0;
+    for (int y = 0; y < 48; ++y)
+      for (int x = 0; x < 64; ++x) {
+        const double light = std::pow(std::cos(std::atan(15.0 * std::hypot(x - 31.5, y - 23.5) / focal_um)), 4),
+                     ratio = std::sqrt((light * shot + all - shot) / all) / light;
+        worst = std::max(worst, ratio);
+        // Between the outermost centres, by the trapezoidal rule.
+        mean += ratio * (x % 63 == 0 ? 0.5 : 1.0) * (y % 47 == 0 ? 0.5 : 1.0) / (63.0 * 47.0);
+      }
+    EXPECT_GT(worst, 1.1);
+    EXPECT_NEAR(e["mrtd.worst"] / e["mrtd"], worst, 1e-5);  // rounding to counts is no sum of squares
+    EXPECT_NEAR(e["mrtd.mean"] / e["mrtd"], mean, mean * (e["error"] + 1e-4));  // of 25 places, and that rule
+  }
+  expect_gradient(folder, study, 0, 1e-5);
+}
+
 TEST(EvaluatorBudget, AConeThatNoLensHasIsADesignThatCannotBe) {
   const Folder folder;
   std::string camera = mwir_camera("0.7");
