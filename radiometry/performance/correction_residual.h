@@ -63,6 +63,7 @@ void apply_correction(Budget<S>& budget, const S& prnu, const FlatFrames<S>& fla
   budget.prnu_e = abs(prnu * left.prnu);
   budget.dsnu_e = abs(budget.dcnu_e * left.dcnu);
   budget.correction_e = left.flats_e;
+  budget.late_spatial_e = detail::root(S(left.flats_e * left.flats_e + budget.rounding_e * budget.rounding_e));
   set_spatial(budget);
 }
 

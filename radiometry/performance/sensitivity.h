@@ -146,6 +146,8 @@ struct Budget {
   S floor_e{};     ///< without light: dark, read, reset, other and all of the rounding, whose error is noise or stays
   // Spatial noise, e- rms.
   S prnu_e{}, dsnu_e{}, correction_e{}, rounding_e{}, spatial_e{};
+  // Of both sums, what comes behind [[readout]], which does not filter it: all but shot noise, PRNU and dark charge.
+  S late_temporal_e{}, late_spatial_e{};
   S dcnu_e{};  ///< the part of dsnu_e that is charge, before any correction
   // Figures.
   S snr{};             ///< electrons of the scene / temporal noise
@@ -255,10 +257,13 @@ Budget<S> make_budget(const Pixel<S>& pixel, const Signal<S>& signal, const Nois
     b.dither = {mtf::value_of(steps), rounding.response, mtf::value_of(step_e) / mtf::value_of(signal_per_k)};
   }
   b.temporal_e = root(S(before2 + b.quantisation_e * b.quantisation_e));
+  b.late_temporal_e = root(S(readout2 + b.quantisation_e * b.quantisation_e));
   const S light = scene + background;  // below 0 where a scene is colder than the shutter of a thermal detector
   b.prnu_e = noise.prnu * (mtf::value_of(light) < 0.0 ? S(-light) : light);
   b.dcnu_e = noise.dcnu_e;
-  b.dsnu_e = root(S(noise.dsnu_e * noise.dsnu_e / (b.slope * b.slope) + noise.dcnu_e * noise.dcnu_e));
+  const S offset_e = noise.dsnu_e / b.slope;
+  b.dsnu_e = root(S(offset_e * offset_e + noise.dcnu_e * noise.dcnu_e));
+  b.late_spatial_e = root(S(offset_e * offset_e + b.rounding_e * b.rounding_e));
   b.snr = signal.scene_e / b.temporal_e;
   b.shot_netd_k = root(S(shot * (scene + background))) / signal_per_k;
   b.netd_k = b.temporal_e / signal_per_k;

@@ -185,6 +185,54 @@ TEST(BudgetOfFrames, a_place_has_the_light_that_vignetting_leaves_there) {
   }
 }
 
+// Noise behind the readout is that of an observer whose system has no readout, noise before it that of one who has it;
+// both add by their squares. The sensor's own OTF is the same in all cases.
+TEST(BudgetOfFrames, a_readout_filters_what_comes_before_it_alone) {
+  mtf::System<double> bare = mwir_system(), filtered = bare;
+  mtf::Component<double> crosstalk = mtf::Component<double>::make("crosstalk");
+  mtf::test::set(crosstalk, "side", 0.08);
+  filtered.add(mtf::Stage::readout, crosstalk);
+  Sensor sensor = noisy_sensor();
+  sensor.settings.nonuniformity = NonuniformitySettings{.prnu = 1e-3, .dsnu_e = 500.0, .dcnu = 0.1};
+  const Budget<double> budget = budget_of(filtered, sensor, 300.0);
+  mtf::ResolutionNeeds needs;
+  needs.curves = true;
+  needs.tolerance = 1e-8;
+  const auto curves =
+      std::make_shared<const mtf::Resolution<double>>(mtf::ResolutionMeter<double>(needs).measure(filtered));
+  SensorAtRange<double> all = sensor_at_range(budget, 1.0, seen_otf(curves, filtered.frame));
+  EXPECT_NEAR(all.late + std::pow(std::hypot(budget.scene_shot_e, budget.background_shot_e, budget.dark_shot_e) /
+                                      budget.temporal_e,
+                                  2),
+              1.0, 1e-12);
+  EXPECT_NEAR(
+      all.late_spatial + (std::pow(budget.prnu_e, 2) + std::pow(budget.dcnu_e, 2)) / std::pow(budget.spatial_e, 2), 1.0,
+      1e-12);
+  SensorAtRange<double> early = all, late = all;
+  early.late = early.late_spatial = 0.0;
+  late.late = late.late_spatial = 1.0;
+  Conditions conditions;
+  conditions.magnification = 4.0;
+  const BarObserver<double> with(filtered, conditions, 2e-3), without(bare, conditions, 2e-3);
+  const double f = 0.5 * with.nyquist_cy_mrad();
+  for (const mtf::Axis axis : {mtf::Axis::x, mtf::Axis::y}) {
+    EXPECT_NEAR(with.mrtd_k(late, axis, f) / without.mrtd_k(all, axis, f), 1.0, 1e-8);
+    EXPECT_LT(with.mrtd_k(early, axis, f), 0.96 * with.mrtd_k(late, axis, f));
+    EXPECT_NEAR(with.mdtd_k(late, 0.2, 40.0) / without.mdtd_k(all, 0.2, 40.0), 1.0, 1e-8);
+    // By the variance of the parts; each in numbers of its own.
+    SensorAtRange<double> first = early, second = late;
+    first.netd_k *= std::sqrt(1.0 - all.late), first.spatial_netd_k *= std::sqrt(1.0 - all.late_spatial);
+    second.netd_k *= std::sqrt(all.late), second.spatial_netd_k *= std::sqrt(all.late_spatial);
+    EXPECT_NEAR(std::hypot(with.mrtd_k(first, axis, f), with.mrtd_k(second, axis, f)) / with.mrtd_k(all, axis, f), 1.0,
+                1e-12);
+  }
+  const double cutoff = counted_cy_mrad(filtered, curves->cutoff_cy_mm);
+  const DisplayObserver<double> seen(filtered, conditions, 2e-3, cutoff), plain(bare, conditions, 2e-3, cutoff);
+  EXPECT_NEAR(seen.ttp_cy_mrad(late, 2.0) / plain.ttp_cy_mrad(all, 2.0), 1.0, 1e-9);
+  EXPECT_LT(seen.ttp_cy_mrad(all, 2.0), seen.ttp_cy_mrad(early, 2.0));
+  EXPECT_GT(seen.ttp_cy_mrad(all, 2.0), seen.ttp_cy_mrad(late, 2.0));
+}
+
 TEST(BudgetOfFrames, a_note_says_that_bad_pixels_are_not_in_it) {
   Sensor sensor = noisy_sensor();
   EXPECT_TRUE(budget_notes(sensor, budget_of(mwir_system(), sensor, 300.0)).empty());
