@@ -127,6 +127,14 @@ class DesignModel {
       caution(words(design_.budget->saturation));
       caution(words(design_.budget->dither));
     }
+    const auto moves_rim = [](const Parameter& p) {
+      return p.path.find("vignetting_") != std::string::npos || p.path.find("obscuration") != std::string::npos;
+    };
+    if (!places_.empty() && has_vignetting(*variant_) &&
+        variant_->loaded->sensor.settings.vignetting->of == radiometry::VignettingOf::wavefront &&
+        std::ranges::any_of(study_->parameters, moves_rim))
+      caution(
+          "over the image, the light is that which the rims of the sensor file leave, whatever a design makes of them");
     if (design_.budget && plan_->spatial)
       refusal_ = radiometry::spatial_gap(variant_->loaded->sensor.settings, *design_.budget);
     const bool spatial = refusal_.empty();

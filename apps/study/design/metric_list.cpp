@@ -136,9 +136,10 @@ constexpr std::array kRows{
               "incident power at the middle of the band that equals the temporal noise of a thermal detector",
               "Kruse and Skatrud, Uncooled Infrared Imaging Arrays and Systems", "[detector] kind = \"thermal\"",
               Effort::budget},
-    MetricRow{dynamic_range, "dynamic_range", false, "",
-              "full well / noise without light, as a ratio; mtf budget gives it in dB", kNetd, "[detector] full_well",
-              Effort::budget},
+    MetricRow{
+        dynamic_range, "dynamic_range", false, "",
+        "full well, or the largest count where that comes first, / noise without light; a ratio, in mtf budget dB",
+        kNetd, "[detector] full_well", Effort::budget},
     MetricRow{target_snr, "target_snr", false, "",
               "electrons that the target has more than its background / temporal noise of the background", kFiete,
               kContrast, Effort::budget},
