@@ -74,9 +74,7 @@ BarView bar_view(const mtf::System<double>& system, const radiometry::Sensor& se
       std::make_shared<const mtf::Resolution<double>>(mtf::ResolutionMeter<double>(needs).measure(system));
   return {.resolution = resolution,
           .observer = {system, {}, frame_time_s(system, sensor.settings)},
-          .sensor = {.netd_k = budget.netd_k,
-                     .spatial_netd_k = budget.spatial_netd_k,
-                     .otf = radiometry::seen_otf(resolution, system.frame)},
+          .sensor = radiometry::sensor_at_range(budget, 1.0, radiometry::seen_otf(resolution, system.frame)),
           .cutoff_cy_mrad = radiometry::counted_cy_mrad(system, resolution->cutoff_cy_mm)};
 }
 
@@ -482,6 +480,11 @@ BudgetTable budget_table(const mtf::io::SensorConfig& config, const LoadedSensor
                            : loaded.sensor.settings.atmosphere ? "[atmosphere]"
                                                                : "",
                     .without_path = static_cast<bool>(loaded.paths)};
+  if (!config.system.list(mtf::Stage::readout).empty())
+    table.notes.emplace_back(
+        "[[readout]] filters shot noise, PRNU and DCNU with the image: the budget has their rms before it, of which "
+        "simulated frames show less; MRTD, MDTD, TTP and ranges count that, and take noise behind it, with that of the "
+        "flat frames of [correction], as it is");
   for (radiometry::BudgetRow& row : observer_rows(with_electron_rate(config.system, loaded), loaded.sensor, budget))
     table.rows.push_back(std::move(row));
   if (!table.air.empty()) add_path_rows(loaded.sensor, temperature_k, table.rows);

@@ -156,7 +156,7 @@ std::string unknown_metric(const std::string& name) {
   const std::string figure = name.substr(0, name.rfind('.'));
   if (const auto same = find_metric(figure); same && figure != name)
     return unknown + (choose_metric(figure + ".mean") ? "after the dot stands axis, mean or worst"
-                      : choose_metric(figure)->row->effort == Effort::air
+                      : choose_metric(figure)->row->effort != Effort::geometry
                           ? figure + " is that of the optical axis; write it alone"
                           : figure + " is the same all over the image; write it alone");
   if (guess) return unknown + "did you mean \"" + *guess + "\"?";

@@ -130,9 +130,11 @@ double surface_at_k(const Sensor& sensor, double gain, double rest_e, double end
 }
 
 /// The scenes that the converter takes.
-std::vector<BudgetRow> scene_range(const mtf::System<double>& system, const Sensor& sensor, const Signal<double>& s) {
+std::vector<BudgetRow> scene_range(const mtf::System<double>& system, const Sensor& sensor, const Budget<double>& b) {
+  const Signal<double>& s = b.signal;
   const Pixel<double> pixel = pixel_of(system, sensor);
-  const double gain = electrons_per_radiance(camera_of(system, sensor), pixel);
+  const double gain = (1.0 + sensor.settings.glare.value_or(VeilingGlare{}).offset) * b.light_share *
+                      electrons_per_radiance(camera_of(system, sensor), pixel);
   const PixelRange range = range_numbers(sensor.settings, pixel);
   const auto row = [&](const char* name, double end_e, const char* doc) {
     BudgetRow end{name, "K", surface_at_k(sensor, gain, s.total_e() - s.scene_e, end_e), doc};
@@ -181,7 +183,7 @@ std::vector<BudgetRow> thermal_rows(const mtf::System<double>& system, const Sen
     row.refused = refusal_of(b, row.value);
     row.saturated = is_saturated(b, row.value);
   }
-  if (sensor.settings.adc) add_rows(all, BudgetGroup::signal, scene_range(system, sensor, s));
+  if (sensor.settings.adc) add_rows(all, BudgetGroup::signal, scene_range(system, sensor, b));
   return all;
 }
 
@@ -282,6 +284,25 @@ std::vector<std::string> budget_notes(const Sensor& sensor, const Budget<double>
     notes.emplace_back(
         "[noise] shot = false leaves shot noise out of simulated frames; the budget counts it, as light and dark "
         "current have it whatever is simulated");
+  if (budget.slope != 1.0 && !budget.saturation.saturated())
+    notes.push_back("[nonlinearity]: at this charge the response rises by " + mtf::three_digits(budget.slope) +
+                    " of what the charge does; noise behind it (read, reset, other, quantisation, dsnu) stands here as "
+                    "charge, that of the readout divided by this slope");
+  const SensorSettings& settings = sensor.settings;
+  if (settings.glare || settings.ghost)
+    notes.push_back(
+        std::string(settings.glare ? "[veiling_glare]" : "") + (settings.glare && settings.ghost ? " and " : "") +
+        (settings.ghost ? "[ghost]" : "") +
+        ": the budget is that of a uniform scene, and signal_per_k, the NETDs and the target are those of a "
+        "small target before it, whose contrast stray light leaves at " +
+        mtf::three_digits(budget.contrast_share) + " of the scene's");
+  if (settings.vignetting)
+    notes.push_back("[vignetting]: the budget has " + mtf::three_digits(budget.light_share) +
+                    " of the light of the axis; --field X,Y takes that of another place");
+  if (settings.defects || settings.blinking)
+    notes.push_back(std::string(settings.defects ? "[defects]" : "") +
+                    (settings.defects && settings.blinking ? " and " : "") + (settings.blinking ? "[blinking]" : "") +
+                    ": the budget is that of a pixel that is neither; simulated frames have the noise of those too");
   if (const double share = filled_by_dark(sensor, budget); share > 3.2e-5 && !budget.saturation.saturated())
     notes.push_back("nonuniformity.dcnu gives " + mtf::three_digits(1e2 * share) +
                     " % of the pixels so much dark current that they fill the well; the figures are those of the "
@@ -317,7 +338,8 @@ Budget<double> budget_of(const mtf::System<double>& system, const Sensor& sensor
   require_consistent(system, sensor);
   pixel_of(system, sensor);  // throws where there is no [detector]
   return sensor_budget(system, budget_settings(sensor), spectral_numbers(sensor, sensor.path, temperature_k),
-                       flicker_rms_e(system, sensor.settings));
+                       flicker_rms_e(system, sensor.settings), {},
+                       light_share(system, sensor.settings, sensor.vignetting.get()));
 }
 
 double flicker_rms_e(const mtf::System<double>& system, const SensorSettings& settings) {

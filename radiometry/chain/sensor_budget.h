@@ -81,15 +81,17 @@ std::optional<FlatFrames<S>> flat_frames(const SensorSettings& settings, const P
   const S slow = slow_variance(settings, numbers);
   const int frames = correction.frames;
   const double one = kept_of_flicker(settings, frames), both = kept_of_flicker(settings, 2 * frames);
+  const Nonlinearity response = settings.nonlinearity.value_or(Nonlinearity{});
+  const S dark_slope = S(1) + Bow<S>(response, pixel.full_well_e, electrons.dark_e).slope;
   FlatFrames<S> flats{.low_e = S(correction.low) * pixel.full_well_e - lost_e,
                       .high_e = S(correction.high) * pixel.full_well_e - lost_e,
                       .dark_e = electrons.dark_e,
                       .full_well_e = pixel.full_well_e,
-                      .variance = budget.floor_e * budget.floor_e - electrons.dark_e - frame_wide * frame_wide +
-                                  slow * S(frames * one - 1.0),
+                      .variance = (budget.floor_e * budget.floor_e - electrons.dark_e) * dark_slope * dark_slope -
+                                  frame_wide * frame_wide + slow * S(frames * one - 1.0),
                       .frames = static_cast<double>(frames),
                       .shared = slow * S(2.0 * both - one),
-                      .response = settings.nonlinearity.value_or(Nonlinearity{})};
+                      .response = response};
   const S background = electrons.optics_e + electrons.stop_e + electrons.dark_e;
   if (mtf::value_of(flats.low_e) < mtf::value_of(background)) return std::nullopt;
   return flats;
@@ -98,15 +100,62 @@ std::optional<FlatFrames<S>> flat_frames(const SensorSettings& settings, const P
 /// The curve of the absorptance at the reference of the noise; of a photon detector nothing.
 ThermalReference<double> thermal_reference(const Sensor& sensor);
 
+/// What vignetting leaves of the light of the lens at the place of that system, 1 on the axis, as vignetting_map() has
+/// it. `shares`: of the pixels, where a map or the pupil gives them. Throws UsageError where they do not cover the
+/// place, or nothing says how large the detector is.
+template <class S>
+S light_share(const mtf::System<S>& system, const SensorSettings& settings, const mtf::Image* shares) {
+  if (!settings.vignetting || !system.settled) return S(1);
+  const Vignetting& corners = *settings.vignetting;
+  const mtf::FieldPoint<S>& q = system.point;
+  const S r2 = q.x * q.x + q.y * q.y, radius_mm = S(1e-3) * system.field_radius_um();
+  if (mtf::value_of(r2) > 0.0 && !(mtf::value_of(radius_mm) > 0.0))
+    throw mtf::UsageError("[vignetting]: the light of a place needs the size of the detector; give frame.format");
+  S lost(1);
+  if (shares != nullptr) {
+    const auto at = [](const S& along, const S& radius, const S& pitch, const S& axis, std::int64_t count) {
+      const double px = mtf::value_of(S(along * radius / pitch + axis)) + 0.5 * static_cast<double>(count);
+      return std::clamp<std::int64_t>(static_cast<std::int64_t>(std::floor(px)), 0, count - 1);
+    };
+    const S radius_um = system.field_radius_um();
+    lost = S(static_cast<double>(
+        shares->at(at(q.x, radius_um, system.frame.pitch_x_um, system.field.axis_x_px, shares->width()),
+                   at(q.y, radius_um, system.frame.pitch_y_um, system.field.axis_y_px, shares->height()))));
+  } else {
+    lost = S(1) + r2 * (S(corners.a2) + r2 * (S(corners.a4) + r2 * S(corners.a6)));
+    if (mtf::value_of(lost) < 0.0) lost = S(0);
+  }
+  if (!corners.cos4) return lost;
+  const S tangent = radius_mm / system.frame.focal_length_mm;
+  return lost * cos4_factor(S(r2 * tangent * tangent));
+}
+
 /// The budget, and in it the electrons of the target. Spatial terms are NaN where no flat frame of [correction] can be
 /// made, see spatial_gap. Throws UsageError as cone_sr.
 template <class S>
 Budget<S> sensor_budget(const mtf::System<S>& system, const SensorSettings& settings,
-                        const SpectralNumbers<S>& spectral, double flicker_e, const Overrides<S>& numbers = {}) {
-  const Camera<S> camera = camera_numbers(system, settings, numbers);
+                        const SpectralNumbers<S>& spectral, double flicker_e, const Overrides<S>& numbers = {},
+                        const S& light_share = S(1)) {
+  Camera<S> camera = camera_numbers(system, settings, numbers);
+  camera.transmission = camera.transmission * light_share;  // of light that comes through the lens, not of its own
   Pixel<S> pixel = pixel_numbers(system, settings, numbers, spectral.thermal);
   const S gain = electrons_per_radiance(camera, pixel);
   Signal<S> electrons = signal(camera, pixel, spectral.radiances);
+  if (settings.vignetting && pixel.thermal() && settings.thermal->shutter_k &&
+      camera.shutter_place == ShutterPlace::detector) {
+    // The cone that vignetting narrows shows the housing in its place (glow_of).
+    const Directions<S> closed = closed_shutter(camera, pixel, spectral.radiances);
+    const S around = (S(mtf::kPi) - light_share * cone_sr(camera)) / around_cone_sr(camera);
+    electrons.optics_e = electrons.optics_e * light_share;
+    electrons.stop_e = electrons.stop_e * around;
+    electrons.shutter_e = S(-1) * (closed.cone_e * light_share + closed.around_e * around);
+  }
+  // Stray light of a uniform scene, and what it leaves of the contrast of a small target before it (veiling_glare.h).
+  const VeilingGlare glare = settings.glare.value_or(VeilingGlare{});
+  const double veiled = 1.0 + glare.offset,
+               direct = (1.0 - glare.fraction) * (1.0 - settings.ghost.value_or(Ghost{}).fraction);
+  electrons.scene_e = electrons.scene_e * S(veiled);
+  electrons.path_e = electrons.path_e * S(veiled);
   S lost(0);
   if (settings.narcissus) {
     const S depth = numbers("narcissus.depth", settings.narcissus->depth);
@@ -118,8 +167,15 @@ Budget<S> sensor_budget(const mtf::System<S>& system, const SensorSettings& sett
   const S middle = pixel.quantum_efficiency * spectral.thermal.middle;
   pixel.quantum_efficiency = pixel.quantum_efficiency * spectral.quantum_efficiency;
   Budget<S> budget =
-      make_budget(pixel, electrons, noise, S(gain * spectral.per_k), range_numbers(settings, pixel, numbers));
-  budget.contrast_e = gain * spectral.contrast;
+      make_budget(pixel, electrons, noise, S(gain * spectral.per_k * S(direct)),
+                  range_numbers(settings, pixel, numbers), settings.nonlinearity.value_or(Nonlinearity{}));
+  budget.contrast_e = gain * spectral.contrast * S(direct);
+  budget.contrast_share = S(direct / veiled);
+  budget.light_share = light_share;
+  const S end_e = converter_end_e(settings, pixel, numbers);
+  if (!pixel.thermal() && mtf::value_of(end_e) < mtf::value_of(pixel.full_well_e) &&
+      !std::isnan(mtf::value_of(budget.dynamic_range)))
+    budget.dynamic_range = end_e / budget.floor_e;
   if (pixel.thermal()) budget.nep_w = budget.temporal_e / (pixel.volts_per_watt * middle);
   if (settings.correction && settings.thermal) {
     const S slow = pixel.volts_per_watt * thermal_noise_of(settings, pixel, spectral.thermal, numbers).flicker_w;

@@ -257,23 +257,37 @@ Pixel<S> pixel_numbers(const mtf::System<S>& system, const SensorSettings& setti
   return pixel;
 }
 
+/// Counts at which values are 0, less the part of a count that rounding adds.
+template <class S>
+S zero_counts(const AdcSettings& adc, const Overrides<S>& numbers) {
+  return numbers("adc.offset", adc.offset_counts) + S(adc.rounding == Rounding::nearest ? 0.5 : 0.0);
+}
+
+/// The electrons of the well from which on counts are the largest one; infinite without [adc].
+template <class S>
+S converter_end_e(const SensorSettings& settings, const Pixel<S>& pixel, const Overrides<S>& numbers = {}) {
+  if (!settings.adc) return S(mtf::kInfinity);
+  const S counts = S(Adc{.bits = settings.adc->bits}.most_counts() + 1.0) - zero_counts(*settings.adc, numbers);
+  const S end_e = counts * electrons_per_count(settings, pixel.full_well_e, numbers);
+  const double well_e = mtf::value_of(pixel.full_well_e);
+  if (!settings.nonlinearity || !std::isfinite(well_e)) return end_e;
+  // Newton's step from the inverse, which changes it by rounding alone, has its derivatives.
+  const S charge_e(Response(*settings.nonlinearity, well_e).inverse(mtf::value_of(end_e)));
+  const Bow<S> bow(*settings.nonlinearity, pixel.full_well_e, charge_e);
+  return charge_e + (end_e - charge_e - bow.value) / (S(1) + bow.slope);
+}
+
 /// The ends of the converter as electrons of the well, where they are held by adc.h.
 template <class S>
 PixelRange range_numbers(const SensorSettings& settings, const Pixel<S>& pixel, const Overrides<S>& numbers = {}) {
   PixelRange range;
   if (!settings.adc) return range;
-  const AdcSettings& adc = *settings.adc;
-  const double step_e = mtf::value_of(electrons_per_count(settings, pixel.full_well_e, numbers));
-  const double zero =
-      mtf::value_of(numbers("adc.offset", adc.offset_counts)) + (adc.rounding == Rounding::nearest ? 0.5 : 0.0);
-  range.least_e = -zero * step_e;
-  range.most_e = (Adc{.bits = adc.bits}.most_counts() + 1.0 - zero) * step_e;
+  const S step_e = electrons_per_count(settings, pixel.full_well_e, numbers);
+  range.least_e = -mtf::value_of(S(zero_counts(*settings.adc, numbers) * step_e));
+  range.most_e = mtf::value_of(converter_end_e(settings, pixel, numbers));
   const double well_e = mtf::value_of(pixel.full_well_e);
-  if (settings.nonlinearity && std::isfinite(well_e)) {
-    const Response response(*settings.nonlinearity, well_e);
-    range.least_e = response.inverse(range.least_e);
-    range.most_e = response.inverse(range.most_e);
-  }
+  if (settings.nonlinearity && std::isfinite(well_e))
+    range.least_e = Response(*settings.nonlinearity, well_e).inverse(range.least_e);
   return range;
 }
 

@@ -36,36 +36,21 @@ struct CorrectionResidual {
   S flats_e{};  ///< of the flat frames, rms
 };
 
-namespace detail {
-/// R(x) - x, R'(x) - 1 and D(x) - R(x) + d, all exactly 0 where the response is linear; beyond the full well R goes on
-/// along its last slope.
-template <class S>
-struct Bow {
-  S value, slope, spread;
-
-  Bow(const FlatFrames<S>& f, const S& x) {
-    const S held = mtf::value_of(x) < mtf::value_of(f.full_well_e) ? x : f.full_well_e;
-    const S u = held / f.full_well_e, first = S(f.response.a2) * u, second = S(f.response.a3) * u * u,
-            third = S(f.response.a4) * u * u * u, all = first + second + third;
-    slope = S(2) * first + S(3) * second + S(4) * third;
-    value = held * all + (x - held) * slope;
-    spread = slope * (held - f.dark_e) - held * all;
-  }
-};
-}  // namespace detail
-
 /// At a mean charge of the scene.
 template <class S>
 CorrectionResidual<S> correction_residual(const FlatFrames<S>& flats, const S& charge_e) {
-  const detail::Bow<S> here(flats, charge_e), low(flats, flats.low_e), high(flats, flats.high_e);
+  const auto bow_at = [&](const S& x) { return Bow<S>(flats.response, flats.full_well_e, x); };
+  // D(x) - R(x) + d, exactly 0 where the response is linear.
+  const auto spread = [&](const Bow<S>& bow, const S& x) { return S(bow.slope * (x - flats.dark_e) - bow.value); };
+  const Bow<S> here = bow_at(charge_e), low = bow_at(flats.low_e), high = bow_at(flats.high_e);
   const S w = (charge_e - flats.low_e + here.value - low.value) / (flats.high_e - flats.low_e + high.value - low.value);
   const S rest = S(1) - w, slope = S(1) + here.slope;
-  const auto variance = [&](const detail::Bow<S>& bow, const S& charge) {
+  const auto variance = [&](const Bow<S>& bow, const S& charge) {
     const S gain = S(1) + bow.slope;
     return flats.shot ? S(gain * gain * charge + flats.variance) : flats.variance;
   };
   const S flat2 = rest * rest * variance(low, flats.low_e) + w * w * variance(high, flats.high_e);
-  return {(here.spread - rest * low.spread - w * high.spread) / slope,
+  return {(spread(here, charge_e) - rest * spread(low, flats.low_e) - w * spread(high, flats.high_e)) / slope,
           (here.slope - rest * low.slope - w * high.slope) / slope,
           detail::root(S(flat2 / S(flats.frames) + S(2) * rest * w * flats.shared)) / slope};
 }
@@ -78,6 +63,7 @@ void apply_correction(Budget<S>& budget, const S& prnu, const FlatFrames<S>& fla
   budget.prnu_e = abs(prnu * left.prnu);
   budget.dsnu_e = abs(budget.dcnu_e * left.dcnu);
   budget.correction_e = left.flats_e;
+  budget.late_spatial_e = detail::root(S(left.flats_e * left.flats_e + budget.rounding_e * budget.rounding_e));
   set_spatial(budget);
 }
 

@@ -39,7 +39,8 @@ std::vector<BudgetRow> terms(const Budget<double>& b) {
             {"netd", "mK", 1e3 * b.netd_k, "noise-equivalent temperature difference, temporal"},
             {"spatial_netd", "mK", 1e3 * b.spatial_netd_k, "the same from the spatial noise"},
             {"nei", "s^-1 m^-2", b.nei_ph, "noise-equivalent irradiance, photons of the scene's spectrum"},
-            {"dynamic_range", "dB", 20.0 * std::log10(b.dynamic_range), "full well / floor"}});
+            {"dynamic_range", "dB", 20.0 * std::log10(b.dynamic_range),
+             "full well, or the largest count where that comes first, / floor"}});
   return all;
 }
 

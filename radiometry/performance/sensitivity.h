@@ -9,6 +9,9 @@
 // Spatial terms: responsivity (PRNU x electrons of light), offset and dark charge (DSNU and DCNU), both after
 // correction (correction_residual.h says what a two-point correction leaves), the noise of the flat frames that it was
 // made from, and the error of rounding that no noise dithers.
+// All noise counts as charge. Where the response R of a pixel is not linear (nonlinearity.h), what comes behind it, all
+// but shot noise, PRNU and DCNU, is divided by its slope R'(e) at the charge of the scene, in the floor at the dark
+// charge.
 //   NETD  temporal noise / (d electrons / dT)
 //   NEI   noise / (QE A t), photons s^-1 m^-2 at the detector, of the spectrum that the scene has there; QE the mean
 //         over those photons
@@ -27,6 +30,7 @@
 #include "mtf/component.h"
 #include "radiometry/light/constants.h"
 #include "radiometry/light/signal.h"
+#include "radiometry/stages/detector/nonlinearity.h"
 #include "radiometry/stages/detector/saturation.h"
 
 namespace radiometry {
@@ -128,14 +132,22 @@ template <class S>
 struct Budget {
   Signal<S> signal;
   S well_fill{};
-  S signal_per_k{};  ///< d electrons / dT
-  S contrast_e{};    ///< electrons that a target has more than the scene, where one is given (sensor_budget.h)
+  S signal_per_k{};     ///< d electrons / dT
+  S slope{1};           ///< of the response at this charge, by which noise behind it has been divided
+  S contrast_e{};       ///< electrons that a target has more than the scene, where one is given (sensor_budget.h)
+  S contrast_share{1};  ///< of the scene's electrons, what stray light leaves of a small target's contrast
+  S light_share{1};     ///< what vignetting leaves of the light of a scene
+  S full_well_e{};
+  Nonlinearity response{};
+  PixelRange range{};  ///< of the converter
   // Temporal noise, e- rms.
   S scene_shot_e{}, background_shot_e{}, dark_shot_e{}, read_e{}, reset_e{}, other_e{}, quantisation_e{};
   S temporal_e{};  ///< their root sum of squares
   S floor_e{};     ///< without light: dark, read, reset, other and all of the rounding, whose error is noise or stays
   // Spatial noise, e- rms.
   S prnu_e{}, dsnu_e{}, correction_e{}, rounding_e{}, spatial_e{};
+  // Of both sums, what comes behind [[readout]], which does not filter it: all but shot noise, PRNU and dark charge.
+  S late_temporal_e{}, late_spatial_e{};
   S dcnu_e{};  ///< the part of dsnu_e that is charge, before any correction
   // Figures.
   S snr{};             ///< electrons of the scene / temporal noise
@@ -144,7 +156,7 @@ struct Budget {
   S spatial_netd_k{};  ///< from the spatial noise
   S nei_ph{};          ///< photons s^-1 m^-2 at the detector; W m^-2 of a thermal one
   S nep_w{};           ///< of a thermal detector: incident power that equals the temporal noise
-  S dynamic_range{};   ///< full well / floor, a ratio
+  S dynamic_range{};   ///< full well / floor, or the end of the converter where that comes first (sensor_budget.h)
   Saturation saturation{};
   Dither dither{};
 };
@@ -172,6 +184,28 @@ void refuse_saturated(Budget<S>& b) {
   if (s.end != RangeEnd::least_count && mtf::value_of(b.signal.dark_e) >= s.end_e) b.floor_e = b.dynamic_range = none;
 }
 
+/// What ends the values of a target with so many more electrons than the scene.
+template <class S>
+Saturation target_saturation(const Budget<S>& b, const S& more_e) {
+  const double more = mtf::value_of(more_e), more2 = b.saturation.volts ? 0.0 : std::max(more, 0.0);
+  const double shot_e = std::hypot(mtf::value_of(b.scene_shot_e), mtf::value_of(b.background_shot_e),
+                                   std::hypot(mtf::value_of(b.dark_shot_e), std::sqrt(more2)));
+  Saturation s = saturation_of({.mean_e = mtf::value_of(b.signal.total_e()) + more,
+                                .well_e = shot_e,
+                                .converter_e = std::hypot(mtf::value_of(b.temporal_e), std::sqrt(more2))},
+                               b.range, mtf::value_of(b.full_well_e));
+  s.volts = b.saturation.volts;
+  return s;
+}
+
+/// What frames show of so many more electrons than the scene's: (R(e + more) - R(e)) / R'(e), charge as all the rest.
+template <class S>
+S seen_difference(const Budget<S>& b, const S& more_e) {
+  const S scene_e = b.signal.total_e();
+  const Bow<S> here(b.response, b.full_well_e, scene_e), there(b.response, b.full_well_e, S(scene_e + more_e));
+  return (more_e + there.value - here.value) / b.slope;
+}
+
 /// How the values of all pixels and frames scatter in the well and before the converter (which adds its rounding). The
 /// spatial terms of the budget have to be those before any correction.
 template <class S>
@@ -187,13 +221,16 @@ PixelScatter scatter_of(const Budget<S>& b, bool shot) {
 
 /// `signal_per_k` in electrons per K: electrons_per_radiance x scene_derivative, or a difference of signals.
 /// `pixel.quantum_efficiency`: the whole one, with mean_quantum_efficiency where curves have a part in it. `range`: of
-/// the converter, where there is one.
+/// the converter, where there is one. `response`: of the pixel, with a finite full well.
 template <class S>
 Budget<S> make_budget(const Pixel<S>& pixel, const Signal<S>& signal, const NoiseTerms<S>& noise, const S& signal_per_k,
-                      const PixelRange& range = {}) {
+                      const PixelRange& range = {}, const Nonlinearity& response = {}) {
   using detail::root;
   Budget<S> b;
   b.signal = signal;
+  b.full_well_e = pixel.full_well_e;
+  b.response = response;
+  b.range = range;
   b.well_fill = radiometry::well_fill(signal, pixel);
   b.signal_per_k = signal_per_k;
   const S scene = signal.scene_e + signal.path_e, background = signal.optics_e + signal.stop_e + signal.shutter_e;
@@ -203,24 +240,30 @@ Budget<S> make_budget(const Pixel<S>& pixel, const Signal<S>& signal, const Nois
   b.scene_shot_e = root(S(shot * scene));
   b.background_shot_e = root(S(shot * background));
   b.dark_shot_e = root(S(shot * signal.dark_e));
-  b.read_e = noise.read_e;
-  b.reset_e = noise.reset_e;
-  b.other_e = noise.other_e;
-  const S dark2 = shot * signal.dark_e + b.read_e * b.read_e + b.reset_e * b.reset_e + b.other_e * b.other_e;
-  b.floor_e = root(S(dark2 + noise.step_e * noise.step_e / S(12)));
-  const S before2 = shot * (scene + background) + dark2;
-  if (const double step_e = mtf::value_of(noise.step_e); step_e > 0.0) {
-    const S steps = root(before2) / noise.step_e;
+  const auto slope_at = [&](const S& charge_e) { return S(1) + Bow<S>(response, pixel.full_well_e, charge_e).slope; };
+  b.slope = slope_at(signal.total_e());
+  b.read_e = noise.read_e / b.slope;
+  b.reset_e = noise.reset_e / b.slope;
+  b.other_e = noise.other_e / b.slope;
+  const S behind2 = noise.read_e * noise.read_e + noise.reset_e * noise.reset_e + noise.other_e * noise.other_e,
+          readout2 = behind2 / (b.slope * b.slope), step_e = noise.step_e / b.slope, at_dark = slope_at(signal.dark_e);
+  b.floor_e = root(S(shot * signal.dark_e + (behind2 + noise.step_e * noise.step_e / S(12)) / (at_dark * at_dark)));
+  const S before2 = shot * (scene + background + signal.dark_e) + readout2;
+  if (mtf::value_of(step_e) > 0.0) {
+    const S steps = root(before2) / step_e;
     const RoundingNoise rounding = rounding_noise(mtf::value_of(steps));
-    b.quantisation_e = noise.step_e * root(mtf::lift(rounding.temporal, steps));
-    b.rounding_e = noise.step_e * root(mtf::lift(rounding.fixed, steps));
-    b.dither = {mtf::value_of(steps), rounding.response, step_e / mtf::value_of(signal_per_k)};
+    b.quantisation_e = step_e * root(mtf::lift(rounding.temporal, steps));
+    b.rounding_e = step_e * root(mtf::lift(rounding.fixed, steps));
+    b.dither = {mtf::value_of(steps), rounding.response, mtf::value_of(step_e) / mtf::value_of(signal_per_k)};
   }
   b.temporal_e = root(S(before2 + b.quantisation_e * b.quantisation_e));
+  b.late_temporal_e = root(S(readout2 + b.quantisation_e * b.quantisation_e));
   const S light = scene + background;  // below 0 where a scene is colder than the shutter of a thermal detector
   b.prnu_e = noise.prnu * (mtf::value_of(light) < 0.0 ? S(-light) : light);
   b.dcnu_e = noise.dcnu_e;
-  b.dsnu_e = root(S(noise.dsnu_e * noise.dsnu_e + noise.dcnu_e * noise.dcnu_e));
+  const S offset_e = noise.dsnu_e / b.slope;
+  b.dsnu_e = root(S(offset_e * offset_e + noise.dcnu_e * noise.dcnu_e));
+  b.late_spatial_e = root(S(offset_e * offset_e + b.rounding_e * b.rounding_e));
   b.snr = signal.scene_e / b.temporal_e;
   b.shot_netd_k = root(S(shot * (scene + background))) / signal_per_k;
   b.netd_k = b.temporal_e / signal_per_k;

@@ -69,21 +69,39 @@ struct SensorAtRange {
   S netd_k{}, spatial_netd_k{};  ///< at the aperture
   S contrast_share{1};           ///< what arrives there of a small temperature difference at the target
   SeenOtf<S> otf{};
+  S late{}, late_spatial{};  ///< shares of both variances that come behind [[readout]], which does not filter them
 };
+
+/// The share of the variance of a whole that a part of it has.
+template <class S>
+S share_of_variance(const S& part, const S& whole) {
+  return mtf::value_of(whole) > 0.0 ? S(part * part / (whole * whole)) : S(0);
+}
+
+template <class S>
+SensorAtRange<S> sensor_at_range(const Budget<S>& b, const S& contrast_share, SeenOtf<S> otf) {
+  return {b.netd_k,
+          b.spatial_netd_k,
+          contrast_share,
+          std::move(otf),
+          share_of_variance(b.late_temporal_e, b.temporal_e),
+          share_of_variance(b.late_spatial_e, b.spatial_e)};
+}
 
 /// True when something follows the sampling, which filters noise.
 template <class S>
 bool filters_noise(const mtf::System<S>& system) {
   return !system.list(mtf::Stage::readout).empty() || !system.list(mtf::Stage::postsample).empty();
 }
-/// The modulus of what follows the sampling; f in cycles/mrad.
+/// The modulus of what follows the sampling, or of what follows the readout alone; f in cycles/mrad.
 template <class S>
-S noise_mtf(const mtf::System<S>& system, mtf::Axis axis, double f_cy_mrad) {
+S noise_mtf(const mtf::System<S>& system, mtf::Axis axis, double f_cy_mrad, bool late = false) {
   using std::sqrt;
   if (!filters_noise(system)) return S(1);
   const S f = system.frame.cy_mm_from_mrad(S(f_cy_mrad));
   const mtf::Freq<S> at = axis == mtf::Axis::x ? mtf::Freq<S>{f, S(0)} : mtf::Freq<S>{S(0), f};
-  const mtf::Complex<S> h = system.otf(mtf::Stage::readout, at) * system.otf(mtf::Stage::postsample, at);
+  mtf::Complex<S> h = system.otf(mtf::Stage::postsample, at);
+  if (!late) h = system.otf(mtf::Stage::readout, at) * h;
   const S square = h.re * h.re + h.im * h.im;
   return mtf::value_of(square) > 0.0 ? S(sqrt(square)) : S(0);
 }
@@ -111,20 +129,24 @@ class BarObserver {
   /// Of bars that alternate along an axis, infinite from where the OTF changes its sign.
   S mrtd_k(const SensorAtRange<S>& sensor, mtf::Axis axis, double f_cy_mrad) const {
     const double reversal = sensor.otf.reversal_cy_mrad[static_cast<std::size_t>(axis)];
-    return radiometry::mrtd_k(
-        with_noise(sensor), axis, f_cy_mrad, [&](double g) { return g < reversal ? sensor.otf.mtf(axis, g) : S(0); },
-        noise(mtf::Axis::x), noise(mtf::Axis::y));
+    return of_noise(sensor, [&](const MrtdInput<S>& in, const auto& noise_x, const auto& noise_y) {
+      return radiometry::mrtd_k(
+          in, axis, f_cy_mrad, [&](double g) { return g < reversal ? sensor.otf.mtf(axis, g) : S(0); }, noise_x,
+          noise_y);
+    });
   }
   /// 2-D, f > 0.
   S mrtd_k(const SensorAtRange<S>& sensor, double f_cy_mrad) const {
-    return filters_noise(*system_) ? mrtd_k(sensor, f_cy_mrad, noise(mtf::Axis::x), noise(mtf::Axis::y))
-                                   : mrtd_k(sensor, f_cy_mrad, Unfiltered{}, Unfiltered{});
+    const auto along = [&](mtf::Axis axis) { return [&, axis](double f) { return mrtd_k(sensor, axis, f); }; };
+    return mrtd_2d_k<S>(f_cy_mrad, along(mtf::Axis::x), along(mtf::Axis::y));
   }
   /// Of a square of that width; the OTF counts up to `cutoff`.
   S mdtd_k(const SensorAtRange<S>& sensor, double width_mrad, double cutoff_cy_mrad) const {
     const auto along = [&](mtf::Axis axis) { return [&, axis](double f) { return sensor.otf.centred(axis, f); }; };
-    return radiometry::mdtd_k(with_noise(sensor), width_mrad, S(cutoff_cy_mrad), along(mtf::Axis::x),
-                              along(mtf::Axis::y), noise(mtf::Axis::x), noise(mtf::Axis::y));
+    return of_noise(sensor, [&](const MrtdInput<S>& in, const auto& noise_x, const auto& noise_y) {
+      return radiometry::mdtd_k(in, width_mrad, S(cutoff_cy_mrad), along(mtf::Axis::x), along(mtf::Axis::y), noise_x,
+                                noise_y);
+    });
   }
   /// ln(dT / MRTD) of bars of that frequency; -infinity where they are not resolved at any contrast.
   S log_visibility(const SensorAtRange<S>& sensor, const S& contrast_k, double f_cy_mrad) const {
@@ -134,26 +156,26 @@ class BarObserver {
   }
 
  private:
-  template <class NoiseX, class NoiseY>
-  S mrtd_k(const SensorAtRange<S>& sensor, double f_cy_mrad, const NoiseX& noise_x, const NoiseY& noise_y) const {
-    const MrtdInput<S> in = with_noise(sensor);
-    const auto along = [&](mtf::Axis axis) {
-      return [&, axis](double f) {
-        const double reversal = sensor.otf.reversal_cy_mrad[static_cast<std::size_t>(axis)];
-        return radiometry::mrtd_k(
-            in, axis, f, [&](double g) { return g < reversal ? sensor.otf.mtf(axis, g) : S(0); }, noise_x, noise_y);
-      };
+  /// A minimum difference is linear in the noise, and noise before and behind the readout adds by its squares.
+  template <class Minimum>
+  S of_noise(const SensorAtRange<S>& sensor, const Minimum& minimum) const {
+    const auto with = [&](const S& share, const S& spatial_share) {
+      MrtdInput<S> in = input_;
+      in.tvh_k = sensor.netd_k * detail::root(share);
+      in.vh_k = sensor.spatial_netd_k * detail::root(spatial_share);
+      return in;
     };
-    return mrtd_2d_k<S>(f_cy_mrad, along(mtf::Axis::x), along(mtf::Axis::y));
-  }
-  MrtdInput<S> with_noise(const SensorAtRange<S>& sensor) const {
-    MrtdInput<S> in = input_;
-    in.tvh_k = sensor.netd_k;
-    in.vh_k = sensor.spatial_netd_k;
-    return in;
-  }
-  auto noise(mtf::Axis axis) const {
-    return [this, axis](double f) { return noise_mtf(*system_, axis, f); };
+    const auto filtered = [&](const MrtdInput<S>& in, bool late) {
+      const auto noise = [&](mtf::Axis axis) {
+        return [this, axis, late](double f) { return noise_mtf(*system_, axis, f, late); };
+      };
+      return S(minimum(in, noise(mtf::Axis::x), noise(mtf::Axis::y)));
+    };
+    if (!filters_noise(*system_)) return minimum(with(S(1), S(1)), Unfiltered{}, Unfiltered{});
+    if (system_->list(mtf::Stage::readout).empty()) return filtered(with(S(1), S(1)), true);
+    const S early = filtered(with(S(S(1) - sensor.late), S(S(1) - sensor.late_spatial)), false),
+            late = filtered(with(sensor.late, sensor.late_spatial), true);
+    return std::isinf(mtf::value_of(early)) ? early : detail::root(S(early * early + late * late));
   }
 
   const mtf::System<S>* system_;
@@ -203,26 +225,32 @@ class DisplayObserver {
         frame_rate_hz_(conditions.frame_rate_hz ? S(*conditions.frame_rate_hz) : S(S(1) / frame_time_s)),
         spacing_x_mrad_(system.frame.pitch_x_um / system.frame.focal_length_mm),
         spacing_y_mrad_(system.frame.pitch_y_um / system.frame.focal_length_mm),
-        x_(channel(system, mtf::Axis::x)),
-        y_(filters_noise(system) ? channel(system, mtf::Axis::y) : x_) {
+        x_(channel(system, mtf::Axis::x, false)),
+        y_(filters_noise(system) ? channel(system, mtf::Axis::y, false) : x_),
+        late_x_(system.list(mtf::Stage::readout).empty() ? x_ : channel(system, mtf::Axis::x, true)),
+        late_y_(system.list(mtf::Stage::readout).empty() ? y_ : channel(system, mtf::Axis::y, true)) {
     const S frames = frame_rate_hz_ * S(conditions.eye_time_s);
     kept_ = mtf::value_of(frames) > 1.0 ? frames : S(1);
   }
 
   /// TTP of a temperature difference at the target, cycles/mrad.
   S ttp_cy_mrad(const SensorAtRange<S>& sensor, const S& contrast_k) const {
-    const S rms_k =
-        detail::root(S(sensor.netd_k * sensor.netd_k + kept_ * sensor.spatial_netd_k * sensor.spatial_netd_k));
+    const S temporal2 = sensor.netd_k * sensor.netd_k, spatial2 = kept_ * sensor.spatial_netd_k * sensor.spatial_netd_k,
+            all2 = temporal2 + spatial2;
+    const S rms_k = detail::root(all2);
+    const S late =
+        mtf::value_of(all2) > 0.0 ? S((temporal2 * sensor.late + spatial2 * sensor.late_spatial) / all2) : S(0);
     const S density = noise_density(rms_k, spacing_x_mrad_, spacing_y_mrad_, frame_rate_hz_);
     const S contrast = S(0.5) * contrast_k * sensor.contrast_share / scene_k_;
-    const auto along = [&](mtf::Axis axis, const Channel& channel) {
+    const auto along = [&](mtf::Axis axis, const Channel& early, const Channel& behind) {
       const auto sensitivity = [&](double f) {
-        const S factor = noise_factor(S(kAlphaNvThermIp), density, channel.along(f), channel.across, scene_k_);
+        const S seen = (S(1) - late) * early.along(f) * early.across + late * behind.along(f) * behind.across;
+        const S factor = noise_factor(S(kAlphaNvThermIp), density, seen, S(1), scene_k_);
         return system_sensitivity(observer_, f, sensor.otf.mtf(axis, f), factor);
       };
       return axis_ttp(sensitivity_course(sensitivity, cutoff_), sensitivity, contrast);
     };
-    return ttp_of(along(mtf::Axis::x, x_), along(mtf::Axis::y, y_));
+    return ttp_of(along(mtf::Axis::x, x_, late_x_), along(mtf::Axis::y, y_, late_y_));
   }
   /// ln V, of the cycles on a target of that size at that range; -infinity for none.
   S log_cycles(const SensorAtRange<S>& sensor, const S& contrast_k, const S& size_m, double range_m) const {
@@ -246,8 +274,8 @@ class DisplayObserver {
     require_valid("observer", observer);
     return observer;
   }
-  Channel channel(const mtf::System<S>& system, mtf::Axis axis) const {
-    const auto seen = [&](double f) { return S(noise_mtf(system, axis, f) * eye_mtf_at(observer_, S(f))); };
+  Channel channel(const mtf::System<S>& system, mtf::Axis axis, bool late) const {
+    const auto seen = [&](double f) { return S(noise_mtf(system, axis, f, late) * eye_mtf_at(observer_, S(f))); };
     const double eye_end = 8.0 * mtf::value_of(observer_.magnification);  // the eye's MTF is below 1e-12 there
     const auto along = [&](double f) { return channel_bandwidth<S>(f, seen); };
     const S across = bandwidth<S>(eye_end, seen);
@@ -261,7 +289,7 @@ class DisplayObserver {
   Observer<S> observer_;
   double cutoff_;
   S scene_k_, frame_rate_hz_, spacing_x_mrad_, spacing_y_mrad_, kept_{1};
-  Channel x_, y_;
+  Channel x_, y_, late_x_, late_y_;
 };
 
 /// How far the MTF of a system counts: to the cutoff of its optics, to four times Nyquist where nothing ends it.

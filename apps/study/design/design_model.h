@@ -39,7 +39,7 @@ class DesignModel {
       : study_(&study),
         plan_(&plan),
         variant_(&variant),
-        isoplanatic_(system.is_isoplanatic()),
+        isoplanatic_(system.is_isoplanatic() && !(plan.budget && has_vignetting(variant))),
         system_(std::move(system)),
         meter_(plan.needs),
         range_meter_(curves_alone(std::is_same_v<S, double> ? kForDifferences : kForSlopes)) {
@@ -127,6 +127,14 @@ class DesignModel {
       caution(words(design_.budget->saturation));
       caution(words(design_.budget->dither));
     }
+    const auto moves_rim = [](const Parameter& p) {
+      return p.path.find("vignetting_") != std::string::npos || p.path.find("obscuration") != std::string::npos;
+    };
+    if (!places_.empty() && has_vignetting(*variant_) &&
+        variant_->loaded->sensor.settings.vignetting->of == radiometry::VignettingOf::wavefront &&
+        std::ranges::any_of(study_->parameters, moves_rim))
+      caution(
+          "over the image, the light is that which the rims of the sensor file leave, whatever a design makes of them");
     if (design_.budget && plan_->spatial)
       refusal_ = radiometry::spatial_gap(variant_->loaded->sensor.settings, *design_.budget);
     const bool spatial = refusal_.empty();
@@ -142,6 +150,10 @@ class DesignModel {
         };
     if (plan_->bars && design_.budget && !saturated) taken([this] { observe_bars(design_); });
     if (light.course && spatial) taken([&] { find_ranges(light, roots); });
+    if (light.course && design_.budget && !saturated)
+      if (const auto held = target_saturation(*design_.budget, design_.budget->contrast_e); held.saturated())
+        caution("the target of [conditions], at the scene and behind the sensor's own air, is " + words(held) +
+                "; ranges take its contrast as if nothing held it");
     for (std::size_t i = 0; i < values.size(); ++i)
       if (!taken([&] { values[i] = metric_value(plan_->choices[i], design_, plan_->at[i]); }))
         values[i] = detail::not_there<S>();
@@ -302,8 +314,10 @@ class DesignModel {
   }
 
   radiometry::Budget<S> budget(const radiometry::SpectralNumbers<S>& spectral) const {
-    return radiometry::sensor_budget(here(), variant_->loaded->sensor.settings, spectral, variant_->flicker_e,
-                                     radiometry::Overrides<S>{std::span<const radiometry::Override<S>>(overrides_)});
+    const radiometry::Sensor& sensor = variant_->loaded->sensor;
+    return radiometry::sensor_budget(here(), sensor.settings, spectral, variant_->flicker_e,
+                                     radiometry::Overrides<S>{std::span<const radiometry::Override<S>>(overrides_)},
+                                     light_share(here(), sensor.settings, sensor.vignetting.get()));
   }
 
   /// Root of the mean of |OTF|^2 of the digital filters over the base band: the factor by which they raise white noise.

@@ -123,7 +123,7 @@ class RangeModel {
     if (budget.saturation.saturated())
       throw mtf::UsageError("with the light at " + mtf::significant(range_m, 15) + " m: " + words(budget.saturation));
     if (!budget.dither.dithered()) throw mtf::UsageError(words(budget.dither));
-    return {budget.netd_k, budget.spatial_netd_k, S(light.contrast_share), std::move(otf)};
+    return sensor_at_range(budget, S(light.contrast_share), std::move(otf));
   }
   const Conditions& conditions() const { return *conditions_; }
   LightCourse& course() { return *course_; }
@@ -153,10 +153,9 @@ void observe_bars(Design<S>& design) {
   if (!design.budget->dither.dithered()) throw mtf::UsageError(words(design.budget->dither));
   const mtf::System<S>& system = *design.system;
   const radiometry::BarObserver<S> bars(system, *design.conditions, design.frame_time_s);
-  const radiometry::SensorAtRange<S> sensor{
-      .netd_k = design.budget->netd_k,
-      .spatial_netd_k = design.budget->spatial_netd_k,
-      .otf = radiometry::seen_otf(std::make_shared<const mtf::Resolution<S>>(design.resolution), system.frame)};
+  const radiometry::SensorAtRange<S> sensor = sensor_at_range(
+      *design.budget, S(1),
+      radiometry::seen_otf(std::make_shared<const mtf::Resolution<S>>(design.resolution), system.frame));
   // At half of Nyquist, and of a square as wide as a bar there; both move with pitch and focal length.
   const S nyquist = bars.nyquist_cy_mrad(), width = S(1) / nyquist;
   const double middle = 0.5 * mtf::value_of(nyquist), square = mtf::value_of(width);

@@ -136,9 +136,10 @@ constexpr std::array kRows{
               "incident power at the middle of the band that equals the temporal noise of a thermal detector",
               "Kruse and Skatrud, Uncooled Infrared Imaging Arrays and Systems", "[detector] kind = \"thermal\"",
               Effort::budget},
-    MetricRow{dynamic_range, "dynamic_range", false, "",
-              "full well / noise without light, as a ratio; mtf budget gives it in dB", kNetd, "[detector] full_well",
-              Effort::budget},
+    MetricRow{
+        dynamic_range, "dynamic_range", false, "",
+        "full well, or the largest count where that comes first, / noise without light; a ratio, in mtf budget dB",
+        kNetd, "[detector] full_well", Effort::budget},
     MetricRow{target_snr, "target_snr", false, "",
               "electrons that the target has more than its background / temporal noise of the background", kFiete,
               kContrast, Effort::budget},
@@ -310,7 +311,7 @@ std::string metric_gap(const MetricChoice& choice, const Study& study, const Var
   const bool pupil = effort == Effort::light || metric == Metric::q;
   if (pupil && std::none_of(list.begin(), list.end(), [](const auto& e) { return e.component.is_pupil(); }))
     return "no pupil: diffraction, defocus or wavefront";
-  const bool over_image = choice.over != Over::axis && !sensor.system.is_isoplanatic();
+  const bool over_image = choice.over != Over::axis && (!sensor.system.is_isoplanatic() || has_vignetting(sensor));
   if ((metric == Metric::fov || over_image) && (sensor.system.frame.columns <= 0 || sensor.system.frame.rows <= 0))
     return "no [frame] format; write format = [640, 512], columns and rows";
   if (effort == Effort::spurious && !mtf::is_reconstructed(sensor.system))

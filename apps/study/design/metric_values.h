@@ -141,22 +141,20 @@ S along(const Design<S>& d, const MetricRow& row, mtf::Axis axis, std::size_t at
   return axis_value(row.metric, axis == mtf::Axis::x ? d.resolution.x : d.resolution.y, at);
 }
 
-/// Electrons of the target's contrast over the noise of its background: the difference that a surface so much warmer
-/// makes, or a share of the scene's electrons.
+/// The target's contrast in the frames over the noise of its background: the difference that a surface so much warmer
+/// makes, or a share of the scene's electrons. Throws UsageError where an end of the range holds the target.
 template <class S>
 S target_snr(const Design<S>& d) {
   if (!d.budget) return not_there<S>();
   const radiometry::Budget<S>& b = *d.budget;
-  if (d.conditions->contrast_k) {
-    const double all = mtf::value_of(b.signal.total_e()), target = all + mtf::value_of(b.contrast_e);
-    const double fill = all > 0.0 ? mtf::value_of(b.well_fill) * target / all : 0.0;
-    if (fill >= 1.0)
-      throw mtf::UsageError("saturated: the target, warmer by [conditions] contrast, makes " + mtf::three_digits(fill) +
-                            " of the full well; shorten the integration time");
-    return b.contrast_e / b.temporal_e;
-  }
-  if (d.conditions->signal_contrast) return S(*d.conditions->signal_contrast) * b.signal.scene_e / b.temporal_e;
-  return not_there<S>();
+  const Conditions& conditions = *d.conditions;
+  if (!conditions.contrast_k && !conditions.signal_contrast) return not_there<S>();
+  const S more_e =
+      conditions.contrast_k ? b.contrast_e : S(S(*conditions.signal_contrast) * b.contrast_share * b.signal.scene_e);
+  if (b.saturation.saturated()) return not_there<S>();
+  if (const radiometry::Saturation held = target_saturation(b, more_e); held.saturated())
+    throw mtf::UsageError("the target of [conditions] is " + words(held));
+  return seen_difference(b, more_e) / b.temporal_e;
 }
 
 template <class S>

@@ -34,6 +34,11 @@ radiometry::SpectralNumbers<double> spectral_numbers(const Conditions& condition
                                                      const radiometry::Path& path,
                                                      const radiometry::Overrides<double>& numbers = {});
 
+/// True where the light of a design falls over the image.
+inline bool has_vignetting(const VariantSensor& variant) {
+  return variant.loaded && variant.loaded->sensor.settings.vignetting;
+}
+
 /// True for a number of a table that a design may override; any other needs a variant of its own.
 bool is_overridable(std::string_view path);
 

@@ -24,6 +24,22 @@ struct Nonlinearity {
   }
 };
 
+/// What a response adds to a charge and to its own slope of 1: R(x) - x and R'(x) - 1, both exactly 0 where it is
+/// linear.
+template <class S>
+struct Bow {
+  S value{}, slope{};
+
+  Bow(const Nonlinearity& response, const S& full_well_e, const S& x) {
+    if (!(mtf::value_of(x) > 0.0)) return;
+    const S held = mtf::value_of(x) < mtf::value_of(full_well_e) ? x : full_well_e;
+    const S u = held / full_well_e, first = S(response.a2) * u, second = S(response.a3) * u * u,
+            third = S(response.a4) * u * u * u;
+    slope = S(2) * first + S(3) * second + S(4) * third;
+    value = held * (first + second + third) + (x - held) * slope;
+  }
+};
+
 /// A response ready for use. Throws UsageError for coefficients out of bounds or with which it does not rise up to the
 /// full well everywhere, and for a full well that is not above 0 and finite.
 class Response {

@@ -45,8 +45,9 @@ struct Vignetting {
 };
 
 /// cos^4 of an angle, from the square of its tangent.
-inline double cos4_factor(double squared_tangent) {
-  const double cos2 = 1.0 / (1.0 + squared_tangent);
+template <class S>
+S cos4_factor(const S& squared_tangent) {
+  const S cos2 = S(1) / (S(1) + squared_tangent);
   return cos2 * cos2;
 }
 

@@ -146,7 +146,11 @@ TEST(EvaluatorBudget, TheTargetIsTheDifferenceOfTwoBudgets) {
   const apps::LoadedSensor loaded = apps::load_chain(config);
   const auto background = radiometry::budget_of(config.system, loaded.sensor, 290.0);
   const auto target = radiometry::budget_of(config.system, loaded.sensor, 294.0);
-  const double snr = (target.signal.scene_e - background.signal.scene_e) / background.temporal_e;
+  // As the response of a2 = -0.02 shows it, in charge: (R(target) - R(background)) / R'(background).
+  const auto response = [](double charge_e) { return charge_e * (1.0 - 0.02 * charge_e / 4e6); };
+  const double scene_e = background.signal.total_e(),
+               seen_e = (response(target.signal.total_e()) - response(scene_e)) / (1.0 - 0.04 * scene_e / 4e6),
+               snr = seen_e / background.temporal_e;
   EXPECT_NEAR(e["target_snr"] / snr, 1.0, 1e-12);
   EXPECT_GT(snr, 1.05 * 4.0 * background.signal_per_k / background.temporal_e);  // Planck's law is bent there
   for (const auto& [name, value] : {std::pair{"background", background.signal.path_e + background.signal.optics_e +
@@ -156,6 +160,76 @@ TEST(EvaluatorBudget, TheTargetIsTheDifferenceOfTwoBudgets) {
                                     {"spatial_noise", background.spatial_e},
                                     {"nei", background.nei_ph}})
     EXPECT_NEAR(e[name] / value, 1.0, 1e-13) << name;
+}
+
+// 12 bits of 60 e- end at 245730 e-, below them lies the scene, above them the target; the well holds 4 Me-.
+TEST(EvaluatorBudget, ATargetThatTheConverterHoldsHasNoNumber) {
+  const Folder folder;
+  std::string camera = replaced(mwir_camera("0.7"), "bits = 14", "bits = 12\nelectrons_per_count = \"60 e-\"");
+  camera = replaced(camera, "[correction]\nframes = 8\n", "");
+  folder.write("camera.toml", camera);
+  const std::string study =
+      "schema = 1\nsensor = \"camera.toml\"\n[[axis]]\nparameter = \"frame.integration_time\"\nvalues = [\"0.3 ms\"]\n"
+      "[metrics]\nlist = [\"target_snr\", \"niirs_giqe5\", \"netd\", \"dynamic_range\", \"signal\", \"background\"]\n"
+      "[conditions]\ntemperature = \"290 K\"\nrange = \"2 km\"\n";
+  Evaluated e = evaluated(folder, study + "contrast = \"4 K\"\n");
+  e.at(0);
+  EXPECT_TRUE(std::isfinite(e["target_snr"]));
+  EXPECT_TRUE(std::isfinite(e["niirs_giqe5"]));
+  const double room = 245730.0 - e["signal"] - e["background"];
+  for (const std::string& contrast : {std::string("contrast = \"300 K\"\n"),
+                                      "signal_contrast = " + mtf::format_double(1.1 * room / e["signal"]) + "\n"}) {
+    Evaluated held = evaluated(folder, study + contrast);
+    held.at(0);
+    EXPECT_TRUE(std::isnan(held["target_snr"])) << contrast;
+    EXPECT_TRUE(std::isnan(held["niirs_giqe5"])) << contrast;
+    EXPECT_TRUE(std::isfinite(held["netd"])) << contrast;
+    std::string told;
+    for (const std::string& sentence : held.evaluator->skipped()) told += sentence;
+    expect_says(told, {"target of [conditions] is saturated", "largest count of [adc]"});
+  }
+  const std::size_t path = camera.find("[path]");  // along a range a plain transmission cannot be followed
+  folder.write("camera.toml", camera.erase(path, camera.find("[optics]") - path));
+  Evaluated range =
+      evaluated(folder, replaced(study, "\"target_snr\", \"niirs_giqe5\", ", "\"johnson_range_detect\", ") +
+                            "contrast = \"300 K\"\ntarget_size = \"3 m\"\n");
+  range.at(0);
+  expect_says(range.evaluator->last_caution(), {"target of [conditions]", "largest count of [adc]", "ranges"});
+}
+
+// cos^4 alone changes over the image here, and takes light of scene and path: bars are seen worst in the corners, by
+//   sqrt((v s^2 + r^2)/(s^2 + r^2))/v,   s their shot noise, r all other noise on the axis, v what is left of the
+//   light.
+TEST(EvaluatorBudget, VignettingTakesLightFromPlacesOfTheImage) {
+  const Folder folder;
+  std::string camera = mwir_camera("0.7");
+  const std::size_t spatial = camera.find("[nonuniformity]");
+  camera.replace(spatial, camera.find("[adc]") - spatial, "[vignetting]\ncos4 = true\n");
+  folder.write("camera.toml", replaced(camera, "focal_length = \"100 mm\"", "focal_length = \"1 mm\""));
+  const std::string study =
+      "schema = 1\nsensor = \"camera.toml\"\n[[axis]]\nparameter = \"frame.focal_length\"\n"
+      "values = [\"1 mm\", \"1.5 mm\"]\n[[axis]]\nparameter = \"optics.f_number\"\nvalues = [2.0]\n"
+      "[metrics]\nlist = [\"mrtd\", \"mrtd.worst\", \"mrtd.mean\", \"scene_shot_noise\", \"temporal_noise\"]\n"
+      "[conditions]\ntemperature = \"290 K\"\n";
+  Evaluated e = evaluated(folder, study);
+  for (const std::int64_t design : {0, 1}) {
+    e.at(design);
+    const double focal_um = design == 0 ? 1000.0 : 1500.0, shot = std::pow(e["scene_shot_noise"], 2),
+                 all = std::pow(e["temporal_noise"], 2);
+    double mean = 0.0, worst = 0.0;
+    for (int y = 0; y < 48; ++y)
+      for (int x = 0; x < 64; ++x) {
+        const double light = std::pow(std::cos(std::atan(15.0 * std::hypot(x - 31.5, y - 23.5) / focal_um)), 4),
+                     ratio = std::sqrt((light * shot + all - shot) / all) / light;
+        worst = std::max(worst, ratio);
+        // Between the outermost centres, by the trapezoidal rule.
+        mean += ratio * (x % 63 == 0 ? 0.5 : 1.0) * (y % 47 == 0 ? 0.5 : 1.0) / (63.0 * 47.0);
+      }
+    EXPECT_GT(worst, 1.1);
+    EXPECT_NEAR(e["mrtd.worst"] / e["mrtd"], worst, 1e-5);  // rounding to counts is no sum of squares
+    EXPECT_NEAR(e["mrtd.mean"] / e["mrtd"], mean, mean * (e["error"] + 1e-4));  // of 25 places, and that rule
+  }
+  expect_gradient(folder, study, 0, 1e-5);
 }
 
 TEST(EvaluatorBudget, AConeThatNoLensHasIsADesignThatCannotBe) {

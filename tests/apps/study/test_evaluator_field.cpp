@@ -123,7 +123,8 @@ TEST(EvaluatorField, WithoutTermsAllPlacesAreOne) {
 
 TEST(EvaluatorField, Refusals) {
   const Folder folder;
-  EXPECT_TRUE(says(folder.lines(study_of(kPitches, R"("netd.worst")")), "netd is the same all over the image"));
+  EXPECT_TRUE(says(folder.lines(study_of(kPitches, R"("netd.worst")")), "netd is that of the optical axis"));
+  EXPECT_TRUE(says(folder.lines(study_of(kPitches, R"("ifov.worst")")), "ifov is the same all over the image"));
   EXPECT_TRUE(says(folder.lines(study_of(kPitches, R"("rer.best")")), "axis, mean or worst"));
   folder.write("camera.toml", replaced(lens(kTerms), "format = [640, 512]\n", ""));
   Evaluated e = evaluated(folder, study_of(kPitches, R"("rer.worst", "rer")"));
