@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 
+#include "mtf/io/image_io.h"
 #include "radiometry/light/raw_counts.h"
 
 namespace apps {
@@ -28,5 +29,10 @@ void require_camera(const std::string& file, const radiometry::CountCamera& came
 
 /// "emissivity 0.95, reflected 293.15 K, transmission of the air 0.99 at 293.15 K"
 std::string thermometry_words(const radiometry::Thermometry& assumed);
+
+/// How many counts stand at an end of the 16 bits of their file, so that what they saw lies beyond the temperatures
+/// that they become; "" where none do. `counts` are those of channel `name`, scaled.
+std::string clipped_counts(const mtf::io::FileInfo& info, const std::string& name, mtf::ImageView<const float> counts,
+                           const mtf::io::IntegerScaling& scaling = {});
 
 }  // namespace apps
