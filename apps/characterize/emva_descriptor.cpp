@@ -48,8 +48,7 @@ class EmvaReader {
         return;
       case 'n':
         if (result_.bits) refuse("a second line n; the frames of a set have one format");
-        result_.bits = bits_of(numbers(rest, 3, "n 12 640 480: bits, columns and rows").front());
-        return;
+        return add_format(numbers(rest, 3, "n 12 640 480: bits, columns and rows"));
       case 'b':
         return add_stack(line, numbers(rest, 2, "b 40000 120: exposure in ns and photons"));
       case 'd':
@@ -75,9 +74,13 @@ class EmvaReader {
     return values;
   }
 
-  int bits_of(double bits) const {
+  void add_format(const std::vector<double>& given) {
+    const double bits = given[0], columns = given[1], rows = given[2];
     if (!(bits >= 1.0 && bits <= 31.0 && bits == std::floor(bits))) refuse("counts have 1 to 31 bits, a whole number");
-    return static_cast<int>(bits);
+    if (!(columns >= 1.0 && rows >= 1.0 && columns == std::floor(columns) && rows == std::floor(rows)))
+      refuse("columns and rows are whole numbers from 1");
+    result_.bits = static_cast<int>(bits);
+    result_.size = {static_cast<std::int64_t>(columns), static_cast<std::int64_t>(rows)};
   }
 
   void add_stack(std::string_view line, const std::vector<double>& given) {

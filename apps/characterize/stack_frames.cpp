@@ -260,6 +260,11 @@ std::vector<StackShapes> shapes_of(const StacksFile& file, int bits, int threads
     }
     if (frames < 2) refuse(entry.name, "a single frame has no temporal noise; give two frames or more");
   }
+  const FrameShape& found = stacks.front().front();
+  if (const auto [columns, rows] = file.size; columns > 0 && (found.width != columns || found.height != rows))
+    refuse(file.file, "its line n says frames of " + std::to_string(columns) + " x " + std::to_string(rows) +
+                          ", the frames are " + words_of(found) +
+                          "; correct columns and rows there, or give the frames of the whole sensor");
   const std::string& type = stacks.front().front().type;
   const double stored = (std::ldexp(1.0, bits) - 1.0) * file.step;
   for (const auto& [name, most] : {std::pair{"uint8", 255.0}, std::pair{"uint16", 65535.0}, std::pair{"int16", 32767.0},

@@ -5,6 +5,7 @@
 // own frames", has every key. Names of files are relative to the folder of this one. EMVA's descriptors give the same
 // (emva_descriptor.h).
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -49,7 +50,8 @@ struct StacksFile {
   std::string file, sha256;
   std::string nominal{}, nominal_sha256{};  ///< "" for none; the hash is of what was read of it
   std::optional<int> bits{};
-  double step = 1.0;  ///< of stored values, in counts
+  std::array<std::int64_t, 2> size{};  ///< columns and rows; 0 where the file does not say
+  double step = 1.0;                   ///< of stored values, in counts
   std::optional<double> full_well_e{};
   LightUnit unit = LightUnit::exposure;
   double repeatability = 0.0;

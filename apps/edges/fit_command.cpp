@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <numbers>
@@ -157,10 +158,21 @@ Json json_of(const std::string& text, const std::string& name) try {
   throw mtf::UsageError(name + ": is no JSON: " + mtf::printable(error.what()) + "; export it anew");
 }
 
+/// True where data of that file and place in it were added before, by whatever name.
+bool is_again(LoadedData& loaded, const std::string& file, const std::string& place) {
+  std::error_code failed;
+  const std::filesystem::path whole = std::filesystem::weakly_canonical(file, failed);
+  return !loaded.seen.insert((failed ? file : whole.string()) + "\n" + place).second;
+}
+void warn_of_again(LoadedData& loaded, const std::string& name) {
+  loaded.warnings.push_back(name + " is given twice: its noise counts as independent; leave one of them out");
+}
+
 /// All curves of a file; `sd` for those that do not say it themselves.
 void add_curves(LoadedData& loaded, const std::string& word, double sd, const std::string& unit) {
   const CurveWord parts = curve_word(word);
   const std::string text = mtf::io::read_table_text(parts.file), name = one_line(parts.file);
+  if (is_again(loaded, parts.file, "curves")) warn_of_again(loaded, name);
   std::vector<mtf::io::CurveSamples> curves;
   if (!mtf::lower_case(name).ends_with(".json"))
     curves = mtf::io::parse_curve_samples(text, parts.file, mtf::find_unit(unit));
@@ -210,8 +222,6 @@ LoadedData load_fit_data(const FitOptions& options, const SensorConfig& sensor, 
   conditions.require_within(images, options.conditions);
   for (const std::string& image : options.input.images) {
     const std::size_t condition = conditions.next();
-    if (std::find(loaded.files.begin(), loaded.files.end(), image) != loaded.files.end())
-      loaded.warnings.push_back(one_line(image) + " is given twice: its noise counts as independent");
     load_or_leave_out(loaded, sets, [&] {
       for (EdgePlane& plane : load_edge_planes(image, options.input))
         add_edges(loaded, std::move(plane), condition, threads);
@@ -345,6 +355,7 @@ void add_edges(LoadedData& loaded, EdgePlane made, std::size_t condition, int th
   const EdgePlane& plane = loaded.planes.emplace_back(std::move(made));
   add_remarks(loaded, plane);
   std::vector<MeasuredEdge> measured = measure_plane(plane, {}, threads);
+  std::vector<std::string> again;
   for (MeasuredEdge& edge : measured) {
     const calib::Roi& roi = edge.edge.roi;
     loaded.data.edges.push_back({.name = one_line(plane.image) + (plane.channel.empty() ? "" : " " + plane.channel) +
@@ -357,13 +368,19 @@ void add_edges(LoadedData& loaded, EdgePlane made, std::size_t condition, int th
                                  .quantum = plane.options.quantum,
                                  .saturation = plane.options.saturation,
                                  .floor = plane.options.floor});
+    const std::string& name = loaded.data.edges.back().name;
+    if (is_again(loaded, plane.image, name.substr(one_line(plane.image).size()))) again.push_back(name);
     loaded.measured.push_back(std::move(edge));
   }
+  if (!again.empty())
+    warn_of_again(loaded,
+                  again.front() + (again.size() > 1 ? ", with " + std::to_string(again.size() - 1) + " more," : ""));
 }
 
 void add_spot(LoadedData& loaded, EdgePlane made, std::size_t condition) {
   const EdgePlane& plane = loaded.planes.emplace_back(std::move(made));
   add_remarks(loaded, plane);
+  if (is_again(loaded, plane.image, "spot " + plane.channel)) warn_of_again(loaded, one_line(plane.image));
   loaded.data.spots.push_back({.name = one_line(plane.image),
                                .image = plane.plane.view(),
                                .roi = {0, 0, plane.plane.width(), plane.plane.height()},

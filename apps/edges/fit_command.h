@@ -5,6 +5,7 @@
 // as table, JSON and sensor file.
 
 #include <list>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,7 @@ struct LoadedData {
   std::vector<std::string> files;      ///< that hold the data, for provenance
   std::vector<std::string> warnings;   ///< what was left out, and why
   std::size_t left_out = 0;            ///< files that could not be read
+  std::set<std::string> seen;          ///< places of the data so far: file, and region in it
 };
 
 /// Numbers that the sensor file marks fit = true. Throws UsageError when there is none.

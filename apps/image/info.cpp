@@ -139,6 +139,10 @@ bool can_be_read(const ChannelInfo& channel) {
 void add_notes(ImageFacts& facts, const mtf::io::ImageFile& image) {
   for (const std::string& note : image.info.notes)
     if (std::ranges::find(facts.remarks, note) == facts.remarks.end()) facts.remarks.push_back(note);
+  if (!stated_camera(image.info.attributes)) return;
+  for (std::size_t i = 0; i < image.names.size(); ++i)
+    if (std::string clipped = clipped_counts(image.info, image.names[i], image.planes[i].view()); !clipped.empty())
+      facts.remarks.push_back(std::move(clipped));
 }
 
 /// The image; nothing, with the reason among the remarks, where float32 would change its values too much.

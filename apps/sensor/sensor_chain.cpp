@@ -17,6 +17,7 @@
 #include "mtf/words.h"
 #include "radiometry/chain/sensor_numbers.h"
 #include "radiometry/light/band_response.h"
+#include "radiometry/light/curve_gaps.h"
 #include "radiometry/stages/noise/fixed_pattern.h"
 
 namespace apps {
@@ -267,6 +268,42 @@ std::vector<mtf::io::Diagnostic> invented_volts_warnings(const mtf::io::SensorCo
   return warnings;
 }
 
+/// Curves that stop inside the band. Curves that cannot be are left to load_chain.
+std::vector<mtf::io::Diagnostic> curve_warnings(const mtf::io::SensorConfig& config) try {
+  if (!has_chain(config) || !config.system.band) return {};
+  const radiometry::SensorSettings settings = radiometry::sensor_settings(config.tables);
+  const radiometry::SpectralCamera camera = curves_of(config, settings);
+  const auto optics = settings.optics.value_or(radiometry::OpticsSettings{});
+  // What glows behind a filter reaches the detector where the filter is shut.
+  radiometry::Interval open = open_range(camera.band, camera.quantum_efficiency);
+  const bool stop_glows = optics.stop_temperature_k > 0.0;
+  if (!stop_glows) open = open_range(open, camera.cold_filter);
+  if (!stop_glows && optics.temperature_k == 0.0) open = open_range(open, camera.optics);
+  const radiometry::Interval seen = open_range(open_range(open, camera.cold_filter), camera.optics);
+  std::vector<mtf::io::Diagnostic> warnings;
+  const auto check = [&](const char* key, const std::vector<Spectrum>& curves, const radiometry::Interval& all) {
+    for (const Spectrum& curve : curves)
+      if (std::string text = missing_words(curve, all); !text.empty())
+        warnings.push_back(warning_at(key, std::move(text)));
+  };
+  check("optics.transmission", camera.optics, seen);
+  check("optics.cold_transmission", camera.cold_filter, open);
+  check(settings.thermal ? "detector.absorptance" : "detector.quantum_efficiency", camera.quantum_efficiency, open);
+  if (settings.scene) check("scene.emissivity", {curve_of(settings.scene->emissivity, "scene.emissivity", 1.0)}, seen);
+  if (!settings.path) return warnings;
+  const radiometry::PathSettings& path = *settings.path;
+  if (path.table.empty()) {
+    check("path.transmission", {curve_of(path.transmission, "path.transmission", 1.0)}, seen);
+    check("path.radiance", {curve_of(path.radiance, "path.radiance", kAny)}, seen);
+  } else {
+    const radiometry::PathTable table = table_of(path, !path.range_m);
+    check("path.table", {table.at(path.range_m.value_or(table.range_m().front())).transmission}, seen);
+  }
+  return warnings;
+} catch (const mtf::Error&) {
+  return {};
+}
+
 }  // namespace
 
 mtf::io::SensorConfig read_sensor_file(const std::string& file, std::vector<mtf::io::Diagnostic>* diagnostics) {
@@ -368,6 +405,7 @@ std::vector<mtf::io::Diagnostic> chain_warnings(const mtf::io::SensorConfig& con
   const auto add = [&](std::vector<mtf::io::Diagnostic> more) {
     for (mtf::io::Diagnostic& warning : more) warnings.push_back(std::move(warning));
   };
+  add(curve_warnings(config));
   const mtf::SettingsTable* table = find_table(config.tables, "detector");
   auto detector =
       table != nullptr ? std::optional(radiometry::from_table<radiometry::DetectorSettings>(*table)) : std::nullopt;

@@ -86,9 +86,9 @@ std::optional<mtf::io::Diagnostic> chain_problem(const mtf::io::SensorConfig& co
 /// transmission, quantum efficiency) are no part of it: the camera equation takes them after the weighted radiance.
 std::string response_sha256(const radiometry::SpectralCamera& curves);
 
-// Where components and tables of one sensor file state the same thing of the detector, and may not agree.
+// Where two keys of a sensor file state the same thing and may not agree, and where a curve stops inside the band.
 
-/// Warnings, as such a pair can be meant; notes where both ways are usual.
+/// Warnings, as that can be meant; notes where both ways are usual.
 std::vector<mtf::io::Diagnostic> chain_warnings(const mtf::io::SensorConfig& config);
 
 }  // namespace apps

@@ -329,6 +329,10 @@ SceneLight to_light(const mtf::io::SensorConfig& config, const LoadedSensor& loa
   if (!spectrum) require_one_channel(scene, source.file);
   if (spectrum) merge_spectrum(scene, convert, threads);
   mtf::Image& plane = scene.planes.front();
+  const std::string clipped =
+      scene.quantity == Quantity::counts
+          ? clipped_counts(scene.info, scene.names.front(), std::as_const(plane).view(), scene.scaling)
+          : "";
   const bool ranged = static_cast<bool>(loaded.paths);
   if (!spectrum && !(ranged && convert.is_of_surfaces())) convert.to_radiance(plane, emissivity);
   SceneLight light;
@@ -341,6 +345,7 @@ SceneLight to_light(const mtf::io::SensorConfig& config, const LoadedSensor& loa
   } else {
     convert.add_path(plane);
   }
+  if (!clipped.empty()) light.warnings.push_back(source.file + ": " + clipped);
   if (!convert.note().empty()) light.warnings.push_back(source.file + ": " + convert.note());
   if (config.scene.border != mtf::Border::constant) return light;
   if (ranged)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/simulate/stated_camera.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "mtf/components/field_access.h"
@@ -133,6 +134,22 @@ std::string thermometry_words(const radiometry::Thermometry& assumed) {
   if (assumed.window_transmission != 1.0)
     text += ", of the window " + number(assumed.window_transmission) + " at " + number(assumed.window_k) + " K";
   return text;
+}
+
+std::string clipped_counts(const mtf::io::FileInfo& info, const std::string& name, mtf::ImageView<const float> counts,
+                           const mtf::io::IntegerScaling& scaling) {
+  const auto channel = std::ranges::find(info.channels, name, &mtf::io::ChannelInfo::name);
+  if (channel == info.channels.end() || channel->type != "uint16") return "";
+  const auto scaled = [&](double stored) { return static_cast<float>(scaling.gain * stored + scaling.offset); };
+  const float least = scaled(0.0), most = scaled(info.largest > 0.0 ? info.largest : 65535.0);
+  std::int64_t clipped = 0;
+  for (std::int64_t y = 0; y < counts.height; ++y)
+    for (std::int64_t x = 0; x < counts.width; ++x) clipped += counts.at(x, y) == least || counts.at(x, y) == most;
+  if (clipped == 0) return "";
+  return std::to_string(clipped) + " of " + std::to_string(counts.width * counts.height) +
+         " counts stand at an end of the scale (" + mtf::significant(least, 6) + " or " + mtf::significant(most, 6) +
+         "): what they saw lies beyond the temperatures that they become; take the image in a range of the camera that "
+         "holds the scene, or leave these pixels out";
 }
 
 }  // namespace apps

@@ -9,6 +9,7 @@
 #include <span>
 #include <string>
 
+#include "mtf/io/image_io.h"
 #include "radiometry/performance/count_uncertainty.h"
 
 namespace apps {
@@ -38,5 +39,10 @@ void require_camera(const std::string& file, const radiometry::CountCamera& came
 
 /// "emissivity 0.95, reflected 293.15 K, transmission of the air 0.99 at 293.15 K"
 std::string thermometry_words(const radiometry::Thermometry& assumed);
+
+/// How many counts stand at an end of the 16 bits of their file, so that what they saw lies beyond the temperatures
+/// that they become; "" where none do. `counts` are those of channel `name`, scaled.
+std::string clipped_counts(const mtf::io::FileInfo& info, const std::string& name, mtf::ImageView<const float> counts,
+                           const mtf::io::IntegerScaling& scaling = {});
 
 }  // namespace apps

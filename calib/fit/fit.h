@@ -67,7 +67,7 @@ struct SpotData {
 };
 
 struct FitData {
-  /// The sensor under each condition (exposure, band, focus ...): the same components; the parameters are set in all.
+  /// The sensor under each condition (exposure, band, focus ...): the same components and values of the parameters.
   std::vector<mtf::System<double>> conditions;
   std::vector<EdgeData> edges;
   std::vector<CurveData> curves;

@@ -87,6 +87,19 @@ void check_data(const FitData& data) {
   for (const SpotData& spot : data.spots) whole(spot.name, spot.condition, spot.image);
 }
 
+/// The data that are taken under a condition: the first one by name; "" where there are none.
+std::string data_under(const FitData& data, std::size_t condition) {
+  std::string name;
+  const auto look = [&](const auto& list) {
+    const auto found = std::ranges::find(list, condition, [](const auto& one) { return one.condition; });
+    if (name.empty() && found != list.end()) name = found->name;
+  };
+  look(data.edges);
+  look(data.spots);
+  look(data.curves);
+  return name;
+}
+
 std::string trouble_of(const EdgeData& edge) {
   const EdgeMeasurement& start = edge.start;
   if (start.trouble != Trouble::none) return start.reason.empty() ? "its measurement failed" : start.reason;
@@ -229,15 +242,23 @@ FitSetup make_setup(const FitData& data, std::span<const FitParameter> parameter
   std::vector<mtf::FieldInfo> infos;
   for (const FitParameter& parameter : parameters) {
     paths.push_back(parameter.path);
+    std::vector<double> first;
     for (std::size_t c = 0; c < data.conditions.size(); ++c) {
       System<double> system = data.conditions[c];
       const auto site = parameter_site(system, parameter.path);
       if (site.numbers.empty())
         throw UsageError(parameter.path + ": the sensor has no such number, or does not give it" +
                          (c > 0 ? " under condition " + std::to_string(c) : ""));
+      std::vector<double> own;
+      for (const double* number : site.numbers) own.push_back(*number);
+      if (c == 0) first = own;
+      if (const std::string where = own == first ? "" : data_under(data, c); !where.empty())
+        throw UsageError(where + ": its condition sets " + (parameter.name.empty() ? parameter.path : parameter.name) +
+                         ", which is fitted and so set alike for all data; leave it out of the conditions, or take "
+                         "fit = true away from it");
       if (c > 0) continue;
       infos.push_back(site.info);
-      setup.start.push_back(*site.numbers.front());
+      setup.start.push_back(first.front());
     }
   }
   setup.sensors = std::make_unique<Sensors>(data.conditions, paths);

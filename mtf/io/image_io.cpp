@@ -237,16 +237,14 @@ ImageWindows::ImageWindows(const std::string& path, const ReadOptions& options) 
   }
 }
 
-FileInfo read_info(const std::string& path) {
-  const ImageFormat& row = row_of(detect_format(path));
-  if (row.format == Format::exr) return read_exr_info(path);
-  return row.raw != nullptr ? read_raw_info(path, row.raw) : read_raster_info(path, row.format);
-}
+FileInfo read_info(const std::string& path) { return read_info_of(path, std::nullopt); }
 
 FileInfo read_info_of(const std::string& path, std::optional<int> part) {
   const ImageFormat& row = row_of(detect_format(path));
-  if (part && row.format == Format::tiff) return read_raster_info(path, row.format, *part);
-  return part && row.raw != nullptr ? read_raw_info(path, row.raw, part) : row.info(path);
+  if (row.format == Format::exr) return read_exr_info(path);
+  if (row.raw != nullptr) return read_raw_info(path, row.raw, part);
+  return part && row.format == Format::tiff ? read_raster_info(path, row.format, *part)
+                                            : read_raster_info(path, row.format);
 }
 
 ImageFile read_image(const std::string& path, const ReadOptions& options) {

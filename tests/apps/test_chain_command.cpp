@@ -227,6 +227,35 @@ TEST_F(ChainCommand, CurvesOfTheWavelengthTakeTheirPlace) {
   EXPECT_NEAR(read(scratch / "single.exr").at(3, 3) / read(scratch / "plain.exr").at(3, 3), 1.0, 1e-6);
 }
 
+// Beyond its samples a curve counts as 0: the budget is that of the band as far as the curve goes, and every command
+// that reads the sensor says so, once.
+TEST_F(ChainCommand, ACurveThatStopsInsideTheBandIsTold) {
+  write_file(scratch / "qe.csv", "wavelength_um,quantum_efficiency\n3,0.75\n4.2,0.75\n");
+  write_file(scratch / "study.toml",
+             "schema = 1\nsensor = \"s.toml\"\n[[axis]]\nparameter = \"frame.pitch\"\nvalues = [\"12 um\", \"15 um\"]\n"
+             "[metrics]\nlist = [\"mtf_nyquist\"]\n");
+  const auto times_told = [&](const std::string& command) {
+    const Result r = scratch.run(command);
+    EXPECT_EQ(r.status, 0) << r.err;
+    const std::string all = r.err + r.out, sentence = "4.2 um to 5 um of the band counts as 0";
+    int times = 0;
+    for (std::size_t at = all.find(sentence); at != std::string::npos; at = all.find(sentence, at + 1)) ++times;
+    EXPECT_EQ(says(all, "detector.quantum_efficiency"), times > 0) << all;
+    return times;
+  };
+  const std::vector<std::string> commands{"mtf budget s.toml", "mtf config check s.toml",
+                                          "mtf simulate s.toml t300.exr -o image.exr",
+                                          "mtf sweep study.toml -o table --force"};
+  sensor("", "quantum_efficiency = 0.75", "quantum_efficiency = \"qe.csv\"");
+  for (const std::string& command : commands) EXPECT_EQ(times_told(command), 1) << command;
+  const double stopped = budget()["scene"]["value"].get<double>();
+  sensor("", "[\"3 um\", \"5 um\"]", "[\"3 um\", \"4.2 um\"]");
+  EXPECT_NEAR(budget()["scene"]["value"].get<double>() / stopped, 1.0, 1e-12);
+  write_file(scratch / "qe.csv", "wavelength_um,quantum_efficiency\n3,0.75\n4.2,0.75\n4.21,0.005\n");
+  sensor("", "quantum_efficiency = 0.75", "quantum_efficiency = \"qe.csv\"");
+  for (const std::string& command : commands) EXPECT_EQ(times_told(command), 0) << command;
+}
+
 // A camera that sees its warm stop, with its quantum efficiency as a number and as the same curve, wider than the band.
 TEST_F(ChainCommand, AFlatCurveGivesTheBudgetOfItsNumber) {
   const auto both = [&](const std::string& optics, const std::string& detector) {

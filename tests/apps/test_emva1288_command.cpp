@@ -97,6 +97,12 @@ TEST(Emva1288Command, ARealCameraHasTheNumbersOfTheReferenceImplementation) {
   const Result fit = scratch.run("mtf characterize EMVA1288_Data.txt -o fit");
   EXPECT_EQ(fit.status, 3) << fit.err;
   EXPECT_TRUE(fs::exists(scratch / "fit/sensor.toml"));
+  // The frames are a part of the sensor that its descriptor speaks of.
+  write_file(scratch / "EMVA1288_Data.txt",
+             replaced(read_file(scratch / "EMVA1288_Data.txt"), "n 12 96 64", "n 12 1000 800"));
+  for (const char* const method : {"", " --method emva1288"})
+    expect_error(scratch.run(std::string("mtf characterize EMVA1288_Data.txt") + method), 2,
+                 {"EMVA1288_Data.txt", "line n", "1000 x 800", "96 x 64"});
 }
 
 TEST(Emva1288Command, BadDescriptorsAreRefusedByTheirLines) {
@@ -117,6 +123,7 @@ TEST(Emva1288Command, BadDescriptorsAreRefusedByTheirLines) {
   refused(head + "d -1\n" + frames, {"set.txt:4", "d 40000"});
   refused(head + "n 8 32 24\n", {"set.txt:4", "second line n"});
   refused("n 99 32 24\n", {"set.txt:1", "1 to 31 bits"});
+  refused("n 12 32.5 24\n", {"set.txt:1", "whole numbers from 1"});
   refused(level, {"set.txt:3", "n 12 640 480"});
   refused(head, {"set.txt:3", "no stack"});
   refused(head + frames, {"set.txt:4", "before the first stack"});

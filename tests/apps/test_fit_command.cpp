@@ -338,6 +338,36 @@ TEST(FitCommand, ASecondFocusTellsTheSignOverTheField) {
   }
 }
 
+// Data that are given twice count as independent: that is said, whatever names and regions they have.
+TEST(FitCommand, DataGivenTwiceAreTold) {
+  const Scratch scratch;
+  ASSERT_EQ(scratch.run("mtf demo -o demo").status, 0);
+  write_file(scratch / "c.csv", "frequency_cy_px,mtf,sd\n0.05,0.95,0.02\n0.1,0.9,0.02\n0.2,0.7,0.02\n0.3,0.5,0.02\n");
+  const auto told = [&](const std::string& data) {
+    const Result result = scratch.run("mtf fit demo/fit.toml --format json " + data);
+    const Json warnings = Json::parse(result.out).at("warnings");
+    std::string all;
+    for (const Json& one : warnings)
+      if (says(one.get<std::string>(), "is given twice")) all += one.get<std::string>() + "\n";
+    return all;
+  };
+  expect_says(told("demo/edge.exr demo/../demo/edge.exr"), {"demo/../demo/edge.exr", "counts as independent"});
+  expect_says(told("demo/edge.exr --roi 32,32,64,64 --roi 32,32,64,64"), {"edge.exr 32,32,64,64"});
+  expect_says(told("--curve c.csv --curve ./c.csv"), {"./c.csv is given twice"});
+  expect_says(told("--curve c.csv --spot demo/edge.exr --spot ./demo/edge.exr"), {"./demo/edge.exr is given twice"});
+  EXPECT_EQ(told("demo/edge.exr --roi 32,32,64,64 --roi 32,33,64,64 --curve c.csv"), "");
+}
+
+// What is fitted holds for all images: one of --conditions cannot set it.
+TEST(FitCommand, AConditionThatSetsWhatIsFittedIsRefused) {
+  const Scratch scratch;
+  ASSERT_EQ(scratch.run("mtf demo -o demo").status, 0);
+  ASSERT_EQ(scratch.run("cp demo/edge.exr other.exr").status, 0);
+  const std::string fit = "mtf fit demo/fit.toml demo/edge.exr other.exr --conditions c.csv";
+  write_file(scratch / "c.csv", "frame,parameter,value\n2,jitter.rms,1 um\n");
+  expect_error(scratch.run(fit), 2, {"other.exr", "jitter.rms", "out of the conditions", "fit = true away"});
+}
+
 TEST(FitCommand, BadRequests) {
   const Scratch scratch;
   scratch.add_sensor();

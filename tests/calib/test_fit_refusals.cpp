@@ -90,6 +90,21 @@ TEST(FitRefusals, RegionsConditionsAndSensors) {
   expect_says(refusal(data, kSigma), {"no constant signal"});
 }
 
+// The parameters are set in the sensors of all conditions, so that a condition cannot have its own.
+TEST(FitRefusals, AConditionThatSetsWhatIsFitted) {
+  const Made made;
+  FitData data = made.data();
+  data.conditions.push_back(fit_cases::gaussian(0.5));
+  EXPECT_EQ(fit(data, kSigma).status, FitStatus::converged);  // no data are taken under it
+  data.edges.push_back(data.edges[0]);
+  data.edges[1].name = "second.png", data.edges[1].condition = 1;
+  std::vector<FitParameter> named = kSigma;
+  named[0].name = "blur.sigma";
+  expect_says(refusal(data, named), {"second.png", "blur.sigma", "out of the conditions", "fit = true away"});
+  data.conditions[1] = data.conditions[0];
+  EXPECT_EQ(fit(data, kSigma).status, FitStatus::converged);
+}
+
 TEST(FitRefusals, Curves) {
   const Made made;
   FitData data = made.data();

@@ -13,6 +13,7 @@ import pytest
 from PIL import Image
 
 import mtfkit as mk
+from conftest import COMMAND
 
 ROWS, COLUMNS = 6, 9
 CAMERA = {0x20: 0.95, 0x24: 12.0, 0x28: 293.15, 0x2c: 288.15, 0x30: 300.0, 0x34: 0.9, 0x3c: 0.6, 0x58: 14985.93, 0x5c: 1398.1, 0x60: 1.0,
@@ -137,3 +138,20 @@ def test_a_csq_is_read_by_frame(tmp_path):
     path.write_bytes(fff(counts()[:, :-1], data=jpeg_ls(counts())))
     with pytest.raises(mk.DataError, match="JPEG-LS"):
         mk.read(path)
+
+
+def test_counts_at_an_end_of_the_scale_are_told(tmp_path):
+    """What they saw is beyond the temperatures that they become: info and simulate say how many there are."""
+    numbers = np.full((32, 32), 16000, "u2")
+    for clipped in (0, 7):
+        numbers[3, :clipped] = 65535
+        (tmp_path / "a.fff").write_bytes(fff(numbers))
+        (tmp_path / "s.toml").write_text(
+            'schema = 2\n[frame]\nfocal_length = "18 mm"\npitch = "17 um"\nintegration_time = "10 ms"\n[scene]\nsample = "17 um"\n'
+            'quantity = "counts"\n[optics]\nf_number = 1.0\n[band]\nwavelength = ["8 um", "14 um"]\n[[presample]]\nkind = "jitter"\n'
+            'rms = "0.01 um"\n[detector]\nquantum_efficiency = 1.0\n')
+        for words in (["info", "a.fff"], ["simulate", "s.toml", "a.fff", "-o", "out.exr"]):
+            run = subprocess.run([COMMAND, *words], cwd=tmp_path, check=True, capture_output=True, text=True)
+            text = run.stdout + run.stderr
+            assert text.count("counts stand at an end of the scale (0 or 65535)") == (1 if clipped else 0), text
+            assert not clipped or "7 of 1024 counts" in text

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "radiometry/light/curve_gaps.h"
 #include "radiometry/light/spectrum.h"
 #include "tests/expect_error.h"
 
@@ -38,6 +39,30 @@ TEST(Spectrum, product_lies_on_the_union_of_the_grids) {
   EXPECT_EQ(p.wavelength_um, (std::vector{2.0, 3.0, 4.0, 6.0}));
   for (std::size_t i = 0; i < p.value.size(); ++i)
     EXPECT_EQ(p.value[i], evaluate(curves[0], p.wavelength_um[i]) * evaluate(curves[1], p.wavelength_um[i]) * 0.5);
+}
+
+TEST(Spectrum, a_curve_that_stops_inside_the_open_range_says_what_counts_as_0) {
+  const Spectrum tau = make_spectrum("tau.csv", {3.5, 4.2}, {0.8, 0.9});
+  expect_says(missing_words(tau, {3.5, 5.0}),
+              {"tau.csv: covers 3.5 um to 4.2 um", "4.2 um to 5 um of the band", "0.9"});
+  expect_says(missing_words(tau, {3.0, 5.0}), {"3 um to 3.5 um and 4.2 um to 5 um", "0.8 and 0.9"});
+  EXPECT_EQ(missing_words(tau, {3.5, 4.2}), "");
+  EXPECT_EQ(missing_words(tau, {3.6, 4.0}), "");
+  EXPECT_EQ(missing_words(constant_spectrum("qe", 0.7), {3.0, 5.0}), "");
+  // Below 1 % of the largest value a curve has come down.
+  for (const double last : {0.0, 0.0089, 0.0091}) {
+    const Spectrum cut = make_spectrum("cut.csv", {3.0, 4.0, 4.5}, {0.9, 0.9, last});
+    EXPECT_EQ(missing_words(cut, {3.0, 5.0}).empty(), last < 0.009) << last;
+    EXPECT_EQ(open_range({3.0, 5.0}, {&cut, 1}).hi_um, last < 0.009 ? 4.5 : 5.0) << last;
+  }
+  // Where the filter is shut nothing is missing of the others.
+  const Spectrum filter = make_spectrum("filter", {3.0, 3.4, 3.5, 4.8, 4.9, 5.0}, {0.0, 0.0, 0.8, 0.8, 0.0, 0.0});
+  const Interval open = open_range({2.0, 6.0}, {&filter, 1});
+  EXPECT_EQ(open.lo_um, 3.4);
+  EXPECT_EQ(open.hi_um, 4.9);
+  EXPECT_EQ(missing_words(filter, open), "");
+  EXPECT_EQ(missing_words(make_spectrum("qe", {3.4, 4.9}, {0.7, 0.7}), open), "");
+  expect_says(missing_words(make_spectrum("qe", {3.6, 5.0}, {0.7, 0.7}), open), {"3.4 um to 3.6 um of the band"});
 }
 
 TEST(Spectrum, refusals_say_where_and_what) {

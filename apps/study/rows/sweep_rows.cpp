@@ -70,7 +70,10 @@ double DesignRows::yield_of(std::span<const double> row) {
   return static_cast<double>(good) / study_->draws;
 }
 
-double yield_error(double yield, int draws) { return std::sqrt(yield * (1.0 - yield) / draws); }
+double yield_error(double yield, int draws) {
+  const double n = draws + 1.0, share = (yield * draws + 0.5) / n;
+  return std::sqrt(share * (1.0 - share) / n);
+}
 
 std::function<RowMaker()> row_makers(const std::shared_ptr<const Study>& study) {
   const auto draws = std::make_shared<const std::vector<double>>(as_built_draws(*study));

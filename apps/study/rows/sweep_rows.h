@@ -31,7 +31,9 @@ class DesignRows {
   std::int64_t design_ = 0;
 };
 
-/// Standard error of a share of `draws`: sqrt(p (1 - p) / n).
+/// Standard deviation of a share p of n `draws`, above 0 where all or none of them are good:
+/// sqrt(q (1 - q) / (n + 1)), q = (p n + 1/2) / (n + 1), after Agresti and Coull, American Statistician 52 (1998) 119,
+/// for one standard deviation.
 double yield_error(double yield, int draws);
 
 /// A maker of rows for each thread.

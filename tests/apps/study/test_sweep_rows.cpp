@@ -70,10 +70,19 @@ TEST(Yield, DrawsAreCommonToAllDesigns) {
   for (std::size_t i = 1; i < yields.size(); ++i) EXPECT_LE(yields[i], yields[i - 1]);
 }
 
-TEST(Yield, StandardErrorIsBinomial) {
-  EXPECT_DOUBLE_EQ(study::yield_error(0.5, 100), 0.05);
-  EXPECT_DOUBLE_EQ(study::yield_error(0.9, 400), 0.015);
-  EXPECT_EQ(study::yield_error(1.0, 10), 0.0);
+// Half of Wilson's interval at one standard deviation, which solves |p - p0| = sqrt(p0 (1 - p0) / n) for p0, is never
+// more than it, and the same at a half; for many draws it is the binomial sqrt(p (1 - p) / n).
+TEST(Yield, StandardErrorIsThatOfAgrestiAndCoull) {
+  EXPECT_DOUBLE_EQ(study::yield_error(1.0, 20), std::sqrt(20.5 * 0.5 / (21.0 * 21.0 * 21.0)));
+  EXPECT_DOUBLE_EQ(study::yield_error(0.0, 20), study::yield_error(1.0, 20));
+  for (const int n : {1, 2, 20, 400})
+    for (int k = 0; k <= n; ++k) {
+      const double p = static_cast<double>(k) / n;
+      const double wilson = std::sqrt(p * (1.0 - p) / n + 0.25 / n / n) / (1.0 + 1.0 / n);
+      EXPECT_GE(study::yield_error(p, n), wilson * (1.0 - 1e-12)) << k << " of " << n;
+      if (2 * k == n) EXPECT_DOUBLE_EQ(study::yield_error(p, n), wilson) << n;
+    }
+  EXPECT_NEAR(study::yield_error(0.9, 1'000'000) / 3e-4, 1.0, 1e-5);
 }
 
 TEST(RowsOfAStudy, ConstraintsReadFromARowAreThoseOfTheEvaluator) {
