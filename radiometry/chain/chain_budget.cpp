@@ -296,9 +296,9 @@ std::vector<std::string> budget_notes(const Sensor& sensor, const Budget<double>
         ": the budget is that of a uniform scene, and signal_per_k, the NETDs and the target are those of a "
         "small target before it, whose contrast stray light leaves at " +
         mtf::three_digits(budget.contrast_share) + " of the scene's");
-  if (settings.vignetting)
-    notes.push_back("[vignetting]: the budget has " + mtf::three_digits(budget.light_share) +
-                    " of the light of the axis; --field X,Y takes that of another place");
+  if (settings.vignetting && budget.light_share != 1.0)
+    notes.push_back("[vignetting]: the place has " + mtf::three_digits(budget.light_share) +
+                    " of the light of the axis");
   if (settings.defects || settings.blinking)
     notes.push_back(std::string(settings.defects ? "[defects]" : "") +
                     (settings.defects && settings.blinking ? " and " : "") + (settings.blinking ? "[blinking]" : "") +

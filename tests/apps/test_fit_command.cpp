@@ -11,7 +11,6 @@
 #include "mtf/io/config/config.h"
 #include "mtf/io/image_io.h"
 #include "tests/apps/command.h"
-#include "tests/calib/field_chart.h"
 #include "tests/calib/made_edges.h"
 #include "tests/mtf/io/png_chunks.h"
 #include "tests/replaced.h"
@@ -293,49 +292,6 @@ TEST(FitCommand, CurvesInJson) {
   refused(R"({"Cy/Pxl": [0.2, 0.1)", {"bad.json", "no JSON", "line 1"});
   write_file(scratch / "bad.json", R"({"mtf50": 0.2})");
   expect_error(scratch.run("mtf fit demo/fit.toml --curve bad.json"), 2, {"bad.json", "frequency_cy_px"});
-}
-
-// A chart over the field: W(p) and -W(-p) are one OTF, so that an image at one focus leaves the sign of even terms
-// open. A second one at a focus that differs by a known amount, of a sensor that --conditions makes, tells it.
-TEST(FitCommand, ASecondFocusTellsTheSignOverTheField) {
-  const Scratch scratch;
-  const field_chart::Lens lens{.w040 = 0.0, .w131 = 0.5, .w222 = 0.6, .curvature = 0.4, .tilt_x = 0.0, .tilt_y = 0.0};
-  constexpr int kColumns = 4, kRows = 3;
-  const std::vector<field_chart::Patch> patches = field_chart::patches(kColumns, kRows);
-  std::string regions = "x,y,width,height\n";
-  for (const auto& [column, row, angle_deg] : patches)
-    regions += std::to_string(32 * column) + "," + std::to_string(32 * row) + ",32,32\n";
-  write_file(scratch / "regions.csv", regions);
-  for (const auto& [name, more_focus] : {std::pair{"chart.exr", 0.0}, {"refocused.exr", 0.5}}) {
-    const mtf::Image chart = field_chart::with_noise(
-        field_chart::image_of(field_chart::sensor_of(lens, kColumns, kRows, more_focus), patches), 0.006, 7);
-    mtf::io::write_exr((scratch / name).string(), {{"Y", chart.view()}}, {});
-  }
-  write_file(scratch / "lens.toml",
-             "schema = 2\n[frame]\nfocal_length = \"50 mm\"\npitch = \"4.73 um\"\nformat = [128, 96]\n[optics]\n"
-             "f_number = 5.6\nwavelength = \"0.55 um\"\n[[presample]]\nkind = \"wavefront\"\norientation = \"field\"\n"
-             "w131 = { r = 0.5 }\nw222 = { r2 = { value = 0.4, fit = true } }\nzernike = [0, 0, 0, 0]\n"
-             "w020 = { 1 = { value = -0.1, fit = true }, r2 = { value = 0.2, fit = true } }\n"
-             "[[presample]]\nkind = \"footprint\"\nwidth = \"1 px\"\n");
-  write_file(scratch / "focus.csv", "frame,parameter,value\n2,wavefront.zernike[3],0.25\n");  // Z4: 2 p^2 - 1
-  const std::string fit = "mtf fit lens.toml --roi-file regions.csv --format json chart.exr";
-  const std::map<std::string, double> truth{
-      {"wavefront.w222.r2", lens.w222}, {"wavefront.w020.1", lens.focus}, {"wavefront.w020.r2", lens.curvature}};
-  for (const bool both : {false, true}) {
-    const Result result = scratch.run(fit + (both ? " refocused.exr --conditions focus.csv" : ""));
-    ASSERT_EQ(result.status, 0) << result.err << result.out;
-    const Json parameters = Json::parse(result.out).at("parameters");
-    ASSERT_EQ(parameters.size(), truth.size());
-    const double first = truth.at(parameters[0].at("name").get<std::string>());
-    const double sign = parameters[0].at("value").get<double>() * first > 0.0 ? 1.0 : -1.0;
-    EXPECT_TRUE(!both || sign == 1.0);
-    for (const Json& p : parameters) {
-      EXPECT_EQ(p.at("knowledge"), both ? "determined" : "ambiguous") << p;
-      EXPECT_EQ(p.at("other_values").size(), both ? 0U : 1U) << p;
-      ASSERT_TRUE(p.at("stderr").is_number()) << p;
-      EXPECT_NEAR(p.at("value").get<double>(), sign * truth.at(p.at("name")), 4.0 * p.at("stderr").get<double>()) << p;
-    }
-  }
 }
 
 // Data that are given twice count as independent: that is said, whatever names and regions they have.
