@@ -21,6 +21,8 @@ double square(double x) { return x * x; }
 
 }  // namespace
 
+double VarianceComponent::most() const { return high95 > 0.0 ? high95 : k95_sd * sd; }
+
 VarianceComponent variance_component(std::span<const MeanSquareTerm> terms) {
   VarianceComponent result;
   if (terms.empty()) return result;

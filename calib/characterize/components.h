@@ -32,7 +32,7 @@ struct VarianceComponent {
   double sd_of_zero = 0.0;
 
   /// The upper end of 95 %, where chance alone can put both ends below 0.
-  double most() const { return high95 > 0.0 ? high95 : 1.959963984540054 * sd; }
+  double most() const;
 };
 
 /// Of the sum of the terms, which are independent.

@@ -165,8 +165,7 @@ std::string other_exposure_words(const std::string& name, double time_s, const s
   return name + ": exposed for " + mtf::significant(1e3 * time_s, 4) + " ms, every dark stack for " +
          mtf::significant(1e3 * *dark_s.begin(), 4) +
          " ms: the dark signal of the difference would count as light; give dark stacks of the same exposure, or of "
-         "two "
-         "exposures, from which the dark current follows";
+         "two exposures, from which the dark current follows";
 }
 
 void require_dark_exposures(const std::vector<Stack>& stacks) {

@@ -4,7 +4,6 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "calib/edge/edge_pixels.h"
@@ -206,12 +205,6 @@ std::vector<std::vector<double>> SpotBlock::images(const Sensors& sensors, doubl
         }
     }
   return images;
-}
-
-double SpotBlock::value_at(std::int64_t x, std::int64_t y) const {
-  double value = std::numeric_limits<double>::quiet_NaN();
-  for_pixels(*data_, {x, y, 1, 1}, [&](std::int64_t, std::int64_t, double found) { value = found; });
-  return value;
 }
 
 std::vector<SpotBlock::PixelRow> SpotBlock::rows(const Sensors& sensors, std::span<const double> own) const {

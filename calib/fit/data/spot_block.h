@@ -49,8 +49,6 @@ class SpotBlock {
  private:
   /// The PSF, its slopes by x0 and y0, its derivatives by the parameters, at every pixel of the region.
   std::vector<std::vector<double>> images(const Sensors& sensors, double x0, double y0) const;
-  /// NaN where a pixel has no value, or a clipped one.
-  double value_at(std::int64_t x, std::int64_t y) const;
   double sd_at(double light) const { return std::sqrt(sd_ * sd_ + gain_ * std::max(0.0, light)); }
   /// Rows of the least-squares problem before they are weighted: derivatives by the own unknowns and the parameters,
   /// what is left of the pixel, and the light that the model has there.
