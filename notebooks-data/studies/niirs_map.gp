@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-# NIIRS over aperture and pitch from a sweep of aperture_against_pitch.toml; designs that miss a constraint are pale.
+# NIIRS over aperture and pitch from a sweep of aperture_against_pitch.toml; designs that miss a constraint are pale,
+# and those whose wells the bright target fills have none.
 #   gnuplot -e 'sweep = "satellite"; chart = "niirs_map.png"' niirs_map.gp
 set datafile separator comma
 set table $designs
-plot sweep . "/designs.csv" using "optics.aperture":"frame.pitch":"niirs_giqe5":"feasible" with table
+niirs(text) = strlen(text) > 0 ? real(text) : NaN
+plot sweep . "/designs.csv" using "optics.aperture":"frame.pitch":(niirs(strcol("niirs_giqe5"))):"feasible" with table
 unset table
 set datafile separator whitespace
 

@@ -55,7 +55,9 @@ def test_tables(study, table):
     assert table.feasible.dtype == bool and table.feasible.sum() == 399
     data = study.to_xarray(table)
     assert data["niirs_giqe5"].dims == ("optics.aperture", "frame.pitch") and data["niirs_giqe5"].shape == (37, 33)
-    assert data["niirs_giqe5"].values.ravel().tolist() == table.niirs_giqe5.tolist()
+    # Two designs have none: the bright target fills their wells.
+    assert table.niirs_giqe5.isna().sum() == 2
+    assert np.array_equal(data["niirs_giqe5"].values.ravel(), table.niirs_giqe5.to_numpy(), equal_nan=True)
     assert data.coords["frame.pitch"].attrs["units"] == "um"
     assert study.frame([study.rows(0, 600), study.rows(600, 1221)]).equals(table)
     with pytest.raises(mk.UsageError, match="10 of 1221"):
