@@ -113,9 +113,16 @@ std::optional<SensorView> read_sensor(StudyReader& s, const Node& node, const st
   for (const mtf::io::Diagnostic& diagnostic : result.diagnostics)
     if (diagnostic.error && ++errors <= kMostSensorErrors)
       s.error(node.position, path, mtf::printable(mtf::io::format_diagnostic(diagnostic, file), 800));
-  if (errors == 0)
+  if (errors == 0) {
     if (const auto problem = apps::chain_problem(result.config))
       return fail(mtf::printable(mtf::io::format_diagnostic(*problem, file), 800));
+    for (const mtf::io::Diagnostic& warning : apps::chain_warnings(result.config))
+      if (!warning.remark)
+        s.reader.diagnostics.push_back({.error = false,
+                                        .position = node.position,
+                                        .path = path,
+                                        .text = mtf::printable(mtf::io::format_diagnostic(warning, file), 800)});
+  }
   if (errors > kMostSensorErrors)
     fail(std::to_string(errors - kMostSensorErrors) + " more errors; see mtf config check " + file);
   return errors > 0 ? std::nullopt : std::optional(view_of(std::move(result.config)));
