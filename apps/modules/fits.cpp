@@ -8,7 +8,7 @@
 
 namespace apps {
 
-extern "C" const FitsModule* mtfkit_fits_table() {
+extern "C" const void* mtfkit_fits_table() {
   static constexpr FitsModule table{.build = {mtf::version, mtf::git_commit},
                                     .fit = run_fit,
                                     .optimize = run_optimize,

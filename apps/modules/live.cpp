@@ -7,7 +7,7 @@
 
 namespace apps {
 
-extern "C" const LiveModule* mtfkit_live_table() {
+extern "C" const void* mtfkit_live_table() {
   static constexpr LiveModule table{.build = {mtf::version, mtf::git_commit}, .live = run_live};
   return &table;
 }

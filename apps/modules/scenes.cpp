@@ -29,7 +29,7 @@ SceneAir scene_air(const std::string& file, const Global& global) {
 
 }  // namespace
 
-extern "C" const ScenesModule* mtfkit_scenes_table() {
+extern "C" const void* mtfkit_scenes_table() {
   static constexpr ScenesModule table{.build = {mtf::version, mtf::git_commit},
                                       .scene = run_scene,
                                       .heat = run_heat,

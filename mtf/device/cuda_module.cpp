@@ -254,7 +254,7 @@ std::unique_ptr<DeviceBackend> open(int index, const std::string& kernels) {
 
 }  // namespace
 
-extern "C" __attribute__((visibility("default"))) const DeviceModule* mtfkit_cuda_table() {
+extern "C" __attribute__((visibility("default"))) const void* mtfkit_cuda_table() {
   static const DeviceModule table{{version, git_commit}, list, open};
   return &table;
 }

@@ -121,7 +121,7 @@ constexpr std::nullptr_t decode_jpeg_ls = nullptr;
 
 }  // namespace mtf::io::module
 
-extern "C" __attribute__((visibility("default"))) const mtf::io::Codecs* mtfkit_codecs_table() {
+extern "C" __attribute__((visibility("default"))) const void* mtfkit_codecs_table() {
   namespace module = mtf::io::module;
   static const mtf::io::Codecs table{{mtf::version, mtf::git_commit},
                                      module::tiff_header,

@@ -117,7 +117,7 @@ OpenCvFilter make_filter(const OpenCvJob& job) {
 }  // namespace
 }  // namespace mtf::io
 
-extern "C" __attribute__((visibility("default"))) const mtf::io::OpenCv* mtfkit_opencv_table() {
+extern "C" __attribute__((visibility("default"))) const void* mtfkit_opencv_table() {
   static const mtf::io::OpenCv table{{mtf::version, mtf::git_commit}, mtf::io::make_filter};
   return &table;
 }

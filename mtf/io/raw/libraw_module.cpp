@@ -79,6 +79,4 @@ constexpr LibRawCodec kTable{.build = {version, git_commit}, .header = header, .
 }  // namespace
 }  // namespace mtf::io
 
-extern "C" __attribute__((visibility("default"))) const mtf::io::LibRawCodec* mtfkit_libraw_table() {
-  return &mtf::io::kTable;
-}
+extern "C" __attribute__((visibility("default"))) const void* mtfkit_libraw_table() { return &mtf::io::kTable; }
