@@ -34,9 +34,6 @@
 namespace apps {
 namespace {
 
-/// PlanReport::method of the founding paper's rhombus where the device filters with it.
-constexpr std::string_view kDiamondOnDevice = "diamond_device";
-
 // The results of `mtf bench`, as a table for people, CSV and JSON for programs, and the chart of error against time.
 
 struct BenchRow {
@@ -195,7 +192,7 @@ std::optional<Figure> bench_figure(const BenchReport& report) {
   // All methods in one order, present or not, so that each has the same symbol in every chart.
   std::vector<std::string_view> methods(mtf::kMethodNames.begin(), mtf::kMethodNames.end());
   methods.insert(methods.end(), kRivalNames.begin(), kRivalNames.end());
-  methods.push_back(kDiamondOnDevice);
+  methods.push_back(mtf::kDiamondOnDevice);
   for (std::size_t i = 0; i < methods.size(); ++i) {
     Series series{.name = std::string(methods[i]), .mark = Mark::points, .style = i};
     for (const BenchRow& row : report.rows) {
@@ -253,9 +250,7 @@ class Climber {
     const mtf::PlanReport& report = chosen->presample.report();
     std::set<std::string_view> seen;
     for (const mtf::Candidate& candidate : report.candidates) {
-      const bool moved = candidate.method == mtf::Method::direct_diamond && is_on_device(candidate);
-      const std::string_view name =
-          moved ? kDiamondOnDevice : mtf::kMethodNames[static_cast<std::size_t>(candidate.method)];
+      const std::string_view name = mtf::name_of(candidate);
       if (!candidate.possible || name == report.method || !seen.insert(name).second) continue;
       if (candidate.cost_ms > slowest_ms_) {
         leave_out(std::string(name), "a run takes about " + fixed(1e-3 * candidate.cost_ms, 1) + " s; see --seconds");
@@ -267,7 +262,7 @@ class Climber {
       }
       try {
         mtf::PlanOptions how = options;
-        if (!is_on_device(candidate)) how.device = {};
+        if (!candidate.on_device) how.device = {};
         another_way(tolerance, *chosen, candidate.method, how);
       } catch (const mtf::UsageError& refusal) {
         leave_out(std::string(name), refusal.what());
@@ -376,11 +371,6 @@ class Climber {
                     .memory_mib = static_cast<double>(contender.bytes) / 1048576.0});
     if (index == contenders.size()) contenders.push_back(std::move(contender));
     return rows.back();
-  }
-
-  bool is_on_device(const mtf::Candidate& candidate) const {
-    const auto& device = job_.options.device.device;
-    return device && candidate.detail.ends_with(" on " + device->info().name);
   }
 
   void leave_out(const std::string& method, const std::string& reason) {

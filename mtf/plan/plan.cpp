@@ -392,7 +392,7 @@ std::string Plan::explain() const {
             short_number(o.saved_ms) + " ms)\n";
   for (const std::string& note : r.notes) text += "note      " + note + "\n";
   for (const Candidate& c : r.candidates) {
-    text += (c.reason.empty() ? "chosen    " : "other     ") + std::string(name_of(c.method));
+    text += (c.reason.empty() ? "chosen    " : "other     ") + std::string(name_of(c));
     if (!c.detail.empty()) text += ": " + c.detail;
     if (c.cost_ms > 0.0)
       text += "; predicted error " + short_number(c.predicted.total()) + ", " + short_number(c.cost_ms) +

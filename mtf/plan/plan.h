@@ -134,9 +134,19 @@ struct Candidate {
   double cost_ms = 0.0;      ///< of a run on one thread, one channel: predicted
   bool measured = false;     ///< or measured (Rigor::measure)
   std::int64_t bytes = 0;    ///< filter, and buffers of one run
+  bool on_device = false;    ///< PlanOptions::device does it
   bool possible = false;     ///< keeps the tolerance
   std::string reason;        ///< why not, or why another was chosen; "" for the chosen one
 };
+
+/// Name of direct_diamond where a device does it.
+inline constexpr std::string_view kDiamondOnDevice = "diamond_device";
+
+/// With the place where the work is done.
+inline std::string_view name_of(const Candidate& candidate) {
+  const bool moved = candidate.on_device && candidate.method == Method::direct_diamond;
+  return moved ? kDiamondOnDevice : kMethodNames[static_cast<std::size_t>(candidate.method)];
+}
 
 /// Something a plan leaves out because the tolerance does not need it.
 struct Omission {
@@ -161,7 +171,8 @@ struct FieldReport {
 
 /// What a plan decided, for reports.
 struct PlanReport {
-  std::string method;  ///< name of the chosen one
+  std::string method;      ///< name of the chosen one
+  bool on_device = false;  ///< PlanOptions::device does it
   std::vector<Candidate> candidates;
   std::vector<Omission> omitted;
   SampleGrid in, out;

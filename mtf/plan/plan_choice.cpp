@@ -48,7 +48,7 @@ std::vector<MethodCandidate> identity_candidates(const PlanTask& task) {
 // OTF is complex.
 std::string work_of(const MethodCandidate& candidate, const PlanTask& task) {
   const auto size = [](const SampleGrid& grid) { return size_text(grid.width, grid.height); };
-  return std::string(name_of(candidate)) + " " + size(task.in) + " to " + size(task.out) + ", " +
+  return std::string(name_of(candidate.report)) + " " + size(task.in) + " to " + size(task.out) + ", " +
          candidate.report.detail + (task.sampler.is_real() ? "" : ", complex") +
          (task.sampler.is_even_x() && task.sampler.is_even_y() ? "" : ", not mirrored");
 }
@@ -182,7 +182,7 @@ MethodCandidate* choose(std::vector<MethodCandidate>& candidates, const PlanTask
     if (report.possible && (!options.method || *options.method == report.method)) possible.push_back(&candidate);
   }
   // Asked for by name, a method that can be done here and on the device is done there.
-  const auto is_there = [](const MethodCandidate* candidate) { return candidate->on_device; };
+  const auto is_there = [](const MethodCandidate* candidate) { return candidate->report.on_device; };
   if (options.method && std::ranges::any_of(possible, is_there)) std::erase_if(possible, std::not_fn(is_there));
   if (possible.empty()) return nullptr;
   if (measure && possible.size() > 1) measure_costs(possible, task);
@@ -220,7 +220,8 @@ void refuse(const std::vector<MethodCandidate>& candidates, const PlanOptions& o
 
 void describe(const MethodCandidate& chosen, const std::vector<MethodCandidate>& candidates, const Engine* engine,
               const PlanTask& task, PlanReport& report) {
-  report.method = name_of(chosen);
+  report.method = name_of(chosen.report);
+  report.on_device = chosen.report.on_device;
   report.predicted = chosen.report.predicted;
   report.size = {report.in.width, report.in.height};
   report.axes = {chosen.report.detail, ""};

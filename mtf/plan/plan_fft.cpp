@@ -191,7 +191,7 @@ void describe_on_device(const PlanTask& task, const AxisTransform& x, const Axis
   const std::shared_ptr<const Device>& device = task.options.device.device;
   const bool complex = !task.sampler.is_real();
   d.axes = {x, y};
-  d.on_device = true;
+  d.report.on_device = true;
   d.report.detail = "x " + axis_text(x) + "; y " + axis_text(y) + "; on " + device->info().name;
   d.report.reason = device_obstacle(device->info(), x, y, complex);
   d.report.bytes = device_bytes(x, y, complex);

@@ -55,7 +55,6 @@ struct MethodCandidate {
   Lines lines = Lines::rows;                         ///< which the FFT methods transform first
   double lines_saved_ms = 0.0;                       ///< by lines that are uniform
   double error_per_otf = 0.0;                        ///< rms error relative to std that an OTF error of 1 may become
-  bool on_device = false;                            ///< PlanOptions::device does it
 };
 
 /// Both axes of an FFT method, all frequencies in use.
@@ -76,11 +75,6 @@ std::vector<MethodCandidate> fft_candidates(const PlanTask& task);
 std::vector<MethodCandidate> tap_candidates(const PlanTask& task, double fft_ms);
 
 inline std::string_view name_of(Method method) { return kMethodNames[static_cast<std::size_t>(method)]; }
-/// With the place where the work is done.
-inline std::string_view name_of(const MethodCandidate& candidate) {
-  const bool moved = candidate.on_device && candidate.report.method == Method::direct_diamond;
-  return moved ? "diamond_device" : name_of(candidate.report.method);
-}
 
 /// Methods that share their engine, or all methods.
 enum class Family { all, identity, taps, fft };

@@ -296,7 +296,7 @@ std::vector<MethodCandidate> direct(const Work& work, const PointResponse& respo
     candidates.push_back(candidate);
   }
   if (!device) return candidates;
-  candidate.on_device = true;
+  candidate.report.on_device = true;
   c.detail += ", on " + device->info().name;
   c.reason = device_taps_obstacle(device->info(), x, y);
   c.bytes = device_taps_bytes(x, y);

@@ -80,7 +80,7 @@ bool rows_stand_alone(const CompiledChain& chain, OutputStage output) {
 
 /// Whether a frame may stay on the device that filters it.
 bool may_stay_on_device(const CompiledChain& chain) {
-  return chain.plan.presample.report().method.ends_with("_device") && !chain.settings.microscan &&
+  return chain.plan.presample.report().on_device && !chain.settings.microscan &&
          chain.plan.options.device.device->info().doubles;
 }
 

@@ -6,11 +6,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "mtf/io/config/config.h"
 #include "mtf/io/image_io.h"
 #include "tests/apps/command.h"
+#include "tests/calib/field_chart.h"
 #include "tests/calib/made_edges.h"
 #include "tests/mtf/io/png_chunks.h"
 #include "tests/replaced.h"
@@ -312,6 +314,44 @@ TEST(FitCommand, DataGivenTwiceAreTold) {
   expect_says(told("--curve c.csv --curve ./c.csv"), {"./c.csv is given twice"});
   expect_says(told("--curve c.csv --spot demo/edge.exr --spot ./demo/edge.exr"), {"./demo/edge.exr is given twice"});
   EXPECT_EQ(told("demo/edge.exr --roi 32,32,64,64 --roi 32,33,64,64 --curve c.csv"), "");
+}
+
+// A chart over the field at two settings of the focus. At one of them w020 and w222 may all have the other sign
+// (FitField.OneFocusSettingLeavesTheSignOfEvenTermsOpen); the second one tells it.
+TEST(FitCommand, ASecondFocusTellsTheSignOverTheField) {
+  const Scratch scratch;
+  const field_chart::Lens lens{.w040 = 0.0, .w131 = 0.5, .w222 = 0.6, .curvature = 0.4, .tilt_x = 0.0, .tilt_y = 0.0};
+  constexpr int kColumns = 4, kRows = 3;
+  const std::vector<field_chart::Patch> patches = field_chart::patches(kColumns, kRows);
+  std::string regions = "x,y,width,height\n";
+  for (const auto& [column, row, angle_deg] : patches)
+    regions += std::to_string(32 * column) + "," + std::to_string(32 * row) + ",32,32\n";
+  write_file(scratch / "regions.csv", regions);
+  for (const auto& [name, more_focus] : {std::pair{"chart.exr", 0.0}, {"refocused.exr", 0.5}}) {
+    const mtf::Image chart = field_chart::with_noise(
+        field_chart::image_of(field_chart::sensor_of(lens, kColumns, kRows, more_focus), patches), 0.006, 7);
+    mtf::io::write_exr((scratch / name).string(), {{"Y", chart.view()}}, {});
+  }
+  write_file(scratch / "lens.toml",
+             "schema = 2\n[frame]\nfocal_length = \"50 mm\"\npitch = \"4.73 um\"\nformat = [128, 96]\n[optics]\n"
+             "f_number = 5.6\nwavelength = \"0.55 um\"\n[[presample]]\nkind = \"wavefront\"\norientation = \"field\"\n"
+             "w131 = { r = 0.5 }\nw222 = { r2 = { value = 0.4, fit = true } }\nzernike = [0, 0, 0, 0]\n"
+             "w020 = { 1 = { value = -0.1, fit = true }, r2 = { value = 0.2, fit = true } }\n"
+             "[[presample]]\nkind = \"footprint\"\nwidth = \"1 px\"\n");
+  write_file(scratch / "focus.csv", "frame,parameter,value\n2,wavefront.zernike[3],0.25\n");  // Z4: 2 p^2 - 1
+  const Result result = scratch.run(
+      "mtf fit lens.toml --roi-file regions.csv --format json chart.exr refocused.exr --conditions focus.csv");
+  ASSERT_EQ(result.status, 0) << result.err << result.out;
+  const std::map<std::string, double> truth{
+      {"wavefront.w222.r2", lens.w222}, {"wavefront.w020.1", lens.focus}, {"wavefront.w020.r2", lens.curvature}};
+  const Json parameters = Json::parse(result.out).at("parameters");
+  ASSERT_EQ(parameters.size(), truth.size());
+  for (const Json& p : parameters) {
+    EXPECT_EQ(p.at("knowledge"), "determined") << p;
+    EXPECT_TRUE(p.at("other_values").empty()) << p;
+    ASSERT_TRUE(p.at("stderr").is_number()) << p;
+    EXPECT_NEAR(p.at("value").get<double>(), truth.at(p.at("name")), 4.0 * p.at("stderr").get<double>()) << p;
+  }
 }
 
 // What is fitted holds for all images: one of --conditions cannot set it.
