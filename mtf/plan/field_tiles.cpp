@@ -313,6 +313,7 @@ FieldTilesChoice choose_field_tiles(const FieldTilesTask& task) {
     best.candidate.reason = reason;
     return best;
   };
+  if (task.field.count() == 0) return none("the mean OTF keeps the tolerance by itself; leave --method out");
   const std::vector<FineScene> scenes = fine_scenes(task);
   if (scenes.empty()) return none("the pitch is not a ratio of small whole numbers of samples");
   const double left = task.field.error(task.field.count());

@@ -35,20 +35,30 @@ Plan compile_over_field(const System<double>& given, const SampleGrid& in, const
   require_spectrum_of(in, options);
   const Norms norms(in, out, options);
   const bool asked = options.method == Method::field_tiles;
-  const bool may_be_tiles = asked || (!options.method && std::min(out.width, out.height) >= 2 * FieldTiles::kLeastSide);
-  const auto field = std::make_shared<const FieldModes>(
-      system, in, out,
-      FieldModesOptions{.aperture = options.aperture,
-                        .table_error = std::clamp(0.1 * kTableShare * tolerance / norms.of_any(), 2e-9, 1e-6),
-                        .band_error = kBandShare * tolerance / norms.of_any(),
-                        .worst_unit = norms.of_any(),
-                        .spectrum = options.spectrum.get(),
-                        .spectrum_gain = norms.spectrum_gain,
-                        .part_gain = options.border == Border::reflect ? 0.5 : 1.0,
-                        .enough = kEnoughShare * tolerance,
-                        .reach = may_be_tiles ? FieldTiles::kReach : 1.0,
-                        .threads = options.threads,
-                        .progress = options.progress});
+  bool may_be_tiles = asked || (!options.method && std::min(out.width, out.height) >= 2 * FieldTiles::kLeastSide);
+  const auto modes_of_image = [&] {
+    return std::make_shared<const FieldModes>(
+        system, in, out,
+        FieldModesOptions{.aperture = options.aperture,
+                          .table_error = std::clamp(0.1 * kTableShare * tolerance / norms.of_any(), 2e-9, 1e-6),
+                          .band_error = kBandShare * tolerance / norms.of_any(),
+                          .worst_unit = norms.of_any(),
+                          .spectrum = options.spectrum.get(),
+                          .spectrum_gain = norms.spectrum_gain,
+                          .part_gain = options.border == Border::reflect ? 0.5 : 1.0,
+                          .enough = kEnoughShare * tolerance,
+                          .reach = may_be_tiles ? FieldTiles::kReach : 1.0,
+                          .threads = options.threads,
+                          .progress = options.progress});
+  };
+  std::shared_ptr<const FieldModes> field;
+  try {
+    field = modes_of_image();
+  } catch (const UsageError&) {  // tables may be too large for tiles alone, which take more of the OTFs
+    if (asked || !may_be_tiles) throw;
+    may_be_tiles = false;
+    field = modes_of_image();
+  }
   FieldReport report{field->points(), 0, 0, field->error_of_axis()};
   std::vector<std::string> notes;
   if (system.frame.columns > out.width || system.frame.rows > out.height)
