@@ -11,6 +11,7 @@
 #include "mtf/components/wavefront.h"
 #include "mtf/error.h"
 #include "mtf/math/special.h"
+#include "mtf/words.h"
 
 namespace mtf {
 namespace {
@@ -327,8 +328,9 @@ void FieldTables::prepare(std::span<const FieldPoint<double>> places) {
                          static_cast<double>(std::max(places_.size(), places.size()));
     if (bytes > kMostBytes)
       throw UsageError("the OTFs at " + std::to_string(std::max(places_.size(), places.size())) +
-                       " places of the image would take " + format_double(bytes) +
-                       " bytes; give terms by which the cutoff of the optics changes less");
+                       " places of the image would take " + significant(1e-9 * bytes, 3) + " GB, where " +
+                       significant(1e-9 * kMostBytes, 3) +
+                       " are allowed; give terms by which the cutoff of the optics changes less");
   }
 }
 

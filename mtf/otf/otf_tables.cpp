@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <numeric>
 
 #include "mtf/engines/kernels.h"
@@ -47,20 +48,53 @@ double variable_at(double begin, double end, double r) {
 // Chebyshev points of a piece: in 0 .. 1.
 double variable_of(const Barycentric& points, std::size_t i) { return 0.5 * (1.0 + points.x[i]); }
 
-/// Weighted sum of four rows of `count` numbers that follow one another.
-MTFKIT_CLONES void weighted_rows(const double* __restrict rows, std::size_t count, const std::array<double, 4>& weight,
-                                 double* __restrict sum) {
-  for (std::size_t i = 0; i < count; ++i)
-    sum[i] = weight[0] * rows[i] + weight[1] * rows[count + i] + weight[2] * rows[2 * count + i] +
-             weight[3] * rows[3 * count + i];
+constexpr std::size_t kLanes = 8;
+using Lanes [[gnu::vector_size(kLanes * sizeof(double))]] = double;
+
+/// exp(i m a) = c + i s of the first orders m of a row, and what leads from them to the next ones.
+struct Turns {
+  std::array<double, kLanes> c, s;
+  double turn_c, turn_s;
+};
+/// Real parts times cosines and imaginary ones times sines, summed over every eighth order.
+struct LaneSums {
+  std::array<double, kLanes> cosines{}, sines{};
+};
+
+/// Of the row that lies between four of `rows`, by their weights.
+MTFKIT_CLONES void sum_orders(const double* rows, std::size_t width, bool has_cosines, bool has_sines,
+                              const std::array<double, 4>& weight, const Turns& turns, LaneSums& sums) {
+  Lanes c, s, cosines{}, sines{};
+  std::memcpy(&c, turns.c.data(), sizeof c);
+  std::memcpy(&s, turns.s.data(), sizeof s);
+  const std::size_t first_sine = has_cosines ? width : 0, row = first_sine + (has_sines ? width : 0);
+  for (std::size_t i = 0; i < width; i += kLanes) {
+    for (std::size_t k = 0; k < weight.size(); ++k) {
+      Lanes one;
+      if (has_cosines) {
+        std::memcpy(&one, rows + k * row + i, sizeof one);
+        cosines += weight[k] * one * c;
+      }
+      if (has_sines) {
+        std::memcpy(&one, rows + k * row + first_sine + i, sizeof one);
+        sines += weight[k] * one * s;
+      }
+    }
+    const Lanes next = c * turns.turn_c - s * turns.turn_s;
+    s = c * turns.turn_s + s * turns.turn_c;
+    c = next;
+  }
+  std::memcpy(sums.cosines.data(), &cosines, sizeof cosines);
+  std::memcpy(sums.sines.data(), &sines, sizeof sines);
 }
 
-/// sum[i] += a[i] b[i] of complex numbers, written out: operator* looks for infinities.
-MTFKIT_CLONES void add_turned(const double* __restrict a, const double* __restrict b, std::size_t count,
-                              double* __restrict sum) {
-  for (std::size_t i = 0; i < 2 * count; i += 2) {
-    sum[i] += a[i] * b[i] - a[i + 1] * b[i + 1];
-    sum[i + 1] += a[i] * b[i + 1] + a[i + 1] * b[i];
+/// Adds `count` products of complex numbers whose real and imaginary parts stand apart.
+MTFKIT_CLONES void add_turned(const double* __restrict a_re, const double* __restrict a_im, const double* __restrict re,
+                              const double* __restrict im, std::size_t count, double* __restrict sum_re,
+                              double* __restrict sum_im) {
+  for (std::size_t i = 0; i < count; ++i) {
+    sum_re[i] += a_re[i] * re[i] - a_im[i] * im[i];
+    sum_im[i] += a_re[i] * im[i] + a_im[i] * re[i];
   }
 }
 
@@ -217,8 +251,13 @@ PolarTable::Rings PolarTable::rings_of(Function h, int threads, bool radial) {
   };
 }
 
+void PolarTable::set_orders(std::size_t orders) {
+  orders_ = orders;
+  width_ = (orders + kLanes - 1) / kLanes * kLanes;
+}
+
 void PolarTable::tabulate(const Rings& rings, std::size_t spokes, std::size_t points) {
-  orders_ = spokes / 2;
+  set_orders(spokes / 2);
   const Barycentric at = Barycentric::inside(points);
   std::vector<double> weight(points);
   for (Piece& piece : pieces_) {
@@ -226,12 +265,16 @@ void PolarTable::tabulate(const Rings& rings, std::size_t spokes, std::size_t po
     for (std::size_t i = 0; i < points; ++i) r[i] = radius_at(piece.begin, piece.end, variable_of(at, i));
     std::vector<Cplx> series(points * orders_);
     evaluations_ += rings(r, spokes, series);
-    piece.rows.assign((kKnots + 3) * orders_, {});
+    piece.rows.assign((kKnots + 3) * row_size(), 0.0);
     for (std::size_t k = 0; k < kKnots + 3; ++k) {
+      double* const row = piece.rows.data() + k * row_size();
       const double t = (static_cast<double>(k) - 1.0) / static_cast<double>(kKnots);
       at.weights_at(2.0 * t - 1.0, weight.data());
       for (std::size_t i = 0; i < points; ++i)
-        for (std::size_t m = 0; m < orders_; ++m) piece.rows[k * orders_ + m] += weight[i] * series[i * orders_ + m];
+        for (std::size_t m = 0; m < orders_; ++m) {
+          row[m] += weight[i] * series[i * orders_ + m].real();
+          row[width_ + m] += weight[i] * series[i * orders_ + m].imag();
+        }
     }
   }
 }
@@ -239,18 +282,21 @@ void PolarTable::tabulate(const Rings& rings, std::size_t spokes, std::size_t po
 PolarTable PolarTable::combination(std::span<const PolarTable* const> tables,
                                    std::span<const std::vector<Cplx>> weight) {
   PolarTable sum;
-  for (const PolarTable* table : tables) sum.orders_ = std::max(sum.orders_, table->orders_);
+  std::size_t orders = 0;
+  for (const PolarTable* table : tables) orders = std::max(orders, table->orders_);
+  sum.set_orders(orders);
   for (const Piece& piece : tables.front()->pieces_)
-    sum.pieces_.push_back({piece.begin, piece.end, std::vector<Cplx>((kKnots + 3) * sum.orders_)});
+    sum.pieces_.push_back({piece.begin, piece.end, std::vector<double>((kKnots + 3) * sum.row_size())});
   for (std::size_t i = 0; i < tables.size(); ++i) {
     const PolarTable& table = *tables[i];
     if (std::all_of(weight[i].begin(), weight[i].end(), [](const Cplx& w) { return w == 0.0; })) continue;
+    std::vector<double> re, im;
+    for (const Cplx& w : weight[i]) re.push_back(w.real()), im.push_back(w.imag());
     for (std::size_t p = 0; p < sum.pieces_.size(); ++p)
       for (std::size_t k = 0; k < kKnots + 3; ++k) {
-        Cplx* const to = sum.pieces_[p].rows.data() + k * sum.orders_;
-        const Cplx* const from = table.pieces_[p].rows.data() + k * table.orders_;
-        add_turned(reinterpret_cast<const double*>(weight[i].data()), reinterpret_cast<const double*>(from),
-                   table.orders_, reinterpret_cast<double*>(to));
+        double* const to = sum.pieces_[p].rows.data() + k * sum.row_size();
+        const double* const from = table.pieces_[p].rows.data() + k * table.row_size();
+        add_turned(re.data(), im.data(), from, from + table.width_, table.orders_, to, to + sum.width_);
       }
   }
   return sum;
@@ -264,21 +310,27 @@ PolarTable PolarTable::parts(const Parities& wanted) const {
   PolarTable result;
   for (const std::size_t m : {0U, 1U})
     if (cosines[m] == 0.0 && sines[m] == 0.0) result.first_ = 1 - m, result.step_ = 2;
-  result.orders_ = (orders_ - result.first_ + result.step_ - 1) / result.step_;
+  result.cosines_ = cosines[0] != 0.0 || cosines[1] != 0.0;
+  result.sines_ = sines[0] != 0.0 || sines[1] != 0.0;
+  result.set_orders((orders_ - result.first_ + result.step_ - 1) / result.step_);
   for (const Piece& piece : pieces_) {
-    std::vector<Cplx>& rows = result.pieces_.emplace_back(Piece{piece.begin, piece.end, {}}).rows;
-    rows.reserve((kKnots + 3) * result.orders_);
-    for (std::size_t k = 0; k < kKnots + 3; ++k)
-      for (std::size_t m = result.first_; m < orders_; m += result.step_) {
-        const Cplx c = piece.rows[k * orders_ + m];
-        rows.emplace_back(cosines[m % 2] * c.real(), sines[m % 2] * c.imag());
+    std::vector<double>& rows = result.pieces_.emplace_back(Piece{piece.begin, piece.end, {}}).rows;
+    rows.assign((kKnots + 3) * result.row_size(), 0.0);
+    for (std::size_t k = 0; k < kKnots + 3; ++k) {
+      const double* const from = piece.rows.data() + k * row_size();
+      double* const to = rows.data() + k * result.row_size();
+      double* const sine = to + (result.cosines_ ? result.width_ : 0);
+      for (std::size_t m = result.first_, i = 0; m < orders_; m += result.step_, ++i) {
+        if (result.cosines_) to[i] = cosines[m % 2] * from[m];
+        if (result.sines_) sine[i] = sines[m % 2] * from[width_ + m];
       }
+    }
   }
   return result;
 }
 
 std::array<double, 4> PolarTable::parts_at(const Freq<double>& f) const {
-  const double r = std::hypot(f.x, f.y);
+  const double r = std::sqrt(f.x * f.x + f.y * f.y);
   const auto piece = std::find_if(pieces_.begin(), pieces_.end(), [r](const Piece& p) { return r < p.end; });
   if (piece == pieces_.end()) return {};
   const double position = static_cast<double>(kKnots) * variable_at(piece->begin, piece->end, r);
@@ -287,28 +339,24 @@ std::array<double, 4> PolarTable::parts_at(const Freq<double>& f) const {
   // Lagrange's cubic through the knots at -1, 0, 1, 2.
   const std::array<double, 4> weight{-t * (t - 1.0) * (t - 2.0) / 6.0, (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0,
                                      -(t + 1.0) * t * (t - 2.0) / 2.0, (t + 1.0) * t * (t - 1.0) / 6.0};
-  std::array<double, kMostSpokes> row;  // a real and an imaginary part for each order
-  weighted_rows(reinterpret_cast<const double*>(piece->rows.data() + knot * orders_), 2 * orders_, weight, row.data());
-  const double cosine = r > 0.0 ? f.x / r : 1.0, sine = r > 0.0 ? f.y / r : 0.0;
-  double c = first_ == 0 ? 1.0 : cosine, s = first_ == 0 ? 0.0 : sine;
-  const double turn_c = step_ == 1 ? cosine : cosine * cosine - sine * sine,
-               turn_s = step_ == 1 ? sine : 2.0 * cosine * sine;
-  struct Sums {
-    double cosines = 0.0, sines = 0.0;
-  } here, other;  // of every other order
-  const auto add = [&](Sums& sums, std::size_t i) {
-    sums.cosines += row[2 * i] * c;
-    sums.sines -= row[2 * i + 1] * s;
-    const double next = c * turn_c - s * turn_s;
-    s = c * turn_s + s * turn_c;
-    c = next;
+  // Powers of the direction, each half from the one before.
+  const Cplx one = r > 0.0 ? Cplx{f.x / r, f.y / r} : Cplx{1.0, 0.0};
+  const auto times = [](const Cplx& a, const Cplx& b) {  // operator* looks for infinities
+    return Cplx{a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
   };
-  for (std::size_t i = 0; i + 1 < orders_; i += 2) add(here, i), add(other, i + 1);
-  if (orders_ % 2 == 1) add(here, orders_ - 1);
-  if (step_ == 1) return {here.cosines, other.sines, other.cosines, here.sines};
-  const double cosines = here.cosines + other.cosines, sines = here.sines + other.sines;
-  if (first_ == 0) return {cosines, 0.0, 0.0, sines};
-  return {0.0, sines, cosines, 0.0};
+  Cplx turn = step_ == 1 ? one : times(one, one);
+  std::array<Cplx, kLanes> power{first_ == 0 ? Cplx{1.0, 0.0} : one};
+  for (std::size_t half = 1; half < kLanes; half *= 2, turn = times(turn, turn))
+    for (std::size_t i = 0; i < half; ++i) power[half + i] = times(power[i], turn);
+  Turns turns{.c = {}, .s = {}, .turn_c = turn.real(), .turn_s = turn.imag()};
+  for (std::size_t i = 0; i < kLanes; ++i) turns.c[i] = power[i].real(), turns.s[i] = power[i].imag();
+  LaneSums sums;
+  sum_orders(piece->rows.data() + knot * row_size(), width_, cosines_, sines_, weight, turns, sums);
+  std::array<double, 2> cosines{}, sines{};  // of every other order
+  for (std::size_t i = 0; i < kLanes; ++i) cosines[i % 2] += sums.cosines[i], sines[i % 2] -= sums.sines[i];
+  if (step_ == 1) return {cosines[0], sines[1], cosines[1], sines[0]};
+  if (first_ == 0) return {cosines[0] + cosines[1], 0.0, 0.0, sines[0] + sines[1]};
+  return {0.0, sines[0] + sines[1], cosines[0] + cosines[1], 0.0};
 }
 
 Complex<double> PolarTable::at(const Freq<double>& f) const {
@@ -317,7 +365,7 @@ Complex<double> PolarTable::at(const Freq<double>& f) const {
 }
 
 std::int64_t PolarTable::bytes() const {
-  return static_cast<std::int64_t>(pieces_.size() * (kKnots + 3) * orders_ * sizeof(Cplx));
+  return static_cast<std::int64_t>(pieces_.size() * (kKnots + 3) * row_size() * sizeof(double));
 }
 
 std::size_t PolarTable::probes() const { return std::clamp(kAllProbes / pieces_.size(), std::size_t{8}, kMostProbes); }

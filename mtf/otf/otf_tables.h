@@ -92,20 +92,24 @@ class PolarTable {
   std::int64_t evaluations() const { return evaluations_; }
 
  private:
-  /// Coefficients c_0 .. c_(orders-1) in rows, one for each knot: uniform in the variable of the piece, one more
-  /// beyond either end for the cubic through four of them.
+  /// Coefficients in rows, one for each knot: uniform in the variable of the piece, one more beyond either end for the
+  /// cubic through four of them. A row has the real parts of c_0 .. c_(orders-1), filled up with zeros, then the
+  /// imaginary ones, where there are any of either.
   struct Piece {
     double begin = 0.0, end = 0.0;
-    std::vector<std::complex<double>> rows;
+    std::vector<double> rows;
   };
   PolarTable() = default;
+  void set_orders(std::size_t orders);
+  std::size_t row_size() const { return (cosines_ ? width_ : 0) + (sines_ ? width_ : 0); }
   void tabulate(const Rings& rings, std::size_t spokes, std::size_t points);
   std::size_t probes() const;  ///< number for each piece and each kind
   double probe(const Function& h, std::size_t spokes, std::size_t points, bool around, int threads);
 
   std::vector<Piece> pieces_;
-  std::size_t orders_ = 0;
-  std::size_t first_ = 0, step_ = 1;  ///< orders are first, first + step, ...
+  std::size_t orders_ = 0, width_ = 0;
+  std::size_t first_ = 0, step_ = 1;    ///< orders are first, first + step, ...
+  bool cosines_ = true, sines_ = true;  ///< whether there are real and imaginary parts
   double error_ = 0.0;
   std::int64_t evaluations_ = 0;
 };

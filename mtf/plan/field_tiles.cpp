@@ -17,13 +17,15 @@
 namespace mtf {
 namespace {
 
-constexpr std::array<std::int64_t, 3> kTileSides{128, 256, 512};  // pixels, about
+constexpr std::array<std::int64_t, 3> kTileSides{FieldTiles::kLeastSide, 256, 512};  // pixels, about
 constexpr std::size_t kMostTileModes = 40;
 constexpr std::array kHaloShares{0.15, 0.3, 0.5};  // of what modes and halos may err by
 constexpr std::int64_t kTailLength = 512;          // samples
+constexpr std::int64_t kLeastHalo = 8;             // samples
 constexpr double kOtfNoise = 1.2e-7;               // of a kernel, four times the rms rounding of an OTF value
 constexpr std::array kFiner{PitchRatio{5, 4}, PitchRatio{3, 2}, PitchRatio{2, 1}};
-constexpr double kAgain = 0.6;        // of the cost of a transform there and back, where there is known
+// Of the cost of a transform there and back, where there is known; and where several samples make a pixel.
+constexpr double kAgain = 0.6, kAgainOfMany = 0.4, kMany = 1.5;
 constexpr double kWeightMs = 1.3e-6;  // for a pixel and mode
 
 double in_double(std::int64_t n) { return static_cast<double>(n); }
@@ -219,17 +221,31 @@ FieldTileAxis tile_axis_with(const FieldTilesTask& task, const FineScene& scene,
 
 double tiles_cost_ms(const CutImage& cut, const FieldTileAxis& x, const FieldTileAxis& y) {
   const double once = fft_cost_ms(x.job, y.job, Parities(false, false, false));
+  const double again = in_double(x.ratio.samples) > kMany * in_double(x.ratio.pixels) ? kAgainOfMany : kAgain;
   double ms = 0.0;
   for (const TileModes& tile : cut.tiles)
     if (tile.count > 0)
-      ms += once * (1.0 + kAgain * in_double(static_cast<std::int64_t>(tile.count) - 1)) +
+      ms += once * (1.0 + again * in_double(static_cast<std::int64_t>(tile.count) - 1)) +
             kWeightMs * in_double(cut.width * cut.height) * in_double(static_cast<std::int64_t>(tile.count));
   return ms;
 }
 
+double interpolation_ms(const FineScene& scene) {
+  if (scene.interpolated())
+    for (const Candidate& way : scene.finer->report().candidates)
+      if (way.reason.empty()) return way.cost_ms;
+  return 0.0;
+}
+
+double least_cost_ms(const FieldTilesTask& task, const FineScene& scene, const CutImage& cut, std::int64_t halo) {
+  return tiles_cost_ms(cut, tile_axis_with(task, scene, cut, true, halo),
+                       tile_axis_with(task, scene, cut, false, halo)) +
+         interpolation_ms(scene);
+}
+
 /// What that costs and errs by.
 std::optional<FieldTilesChoice> judged(const FieldTilesTask& task, const FineScene& scene, const FineOtfs& fine,
-                                       const CutImage& cut, double below_ms) {
+                                       const CutImage& cut) {
   const PlanOptions& options = task.options;
   const bool images = options.border == Border::reflect || options.border == Border::periodic;
   const double density =
@@ -241,10 +257,9 @@ std::optional<FieldTilesChoice> judged(const FieldTilesTask& task, const FineSce
         most_reads(x, options.border, scene.grid.width) * most_reads(y, options.border, scene.grid.height);
     return std::sqrt(in_double(reads)) * (images ? area : task.norm);
   };
-  std::array<std::int64_t, 2> halos{8, 8};
-  std::array<FieldTileAxis, 2> axes{tile_axis_with(task, scene, cut, true, 8),
-                                    tile_axis_with(task, scene, cut, false, 8)};
-  if (tiles_cost_ms(cut, axes[0], axes[1]) >= below_ms) return std::nullopt;
+  std::array<std::int64_t, 2> halos{kLeastHalo, kLeastHalo};
+  std::array<FieldTileAxis, 2> axes{tile_axis_with(task, scene, cut, true, kLeastHalo),
+                                    tile_axis_with(task, scene, cut, false, kLeastHalo)};
   std::array<double, 2> missed{};
   for (const bool along_x : {true, false}) {
     const std::size_t a = along_x ? 0 : 1;
@@ -261,7 +276,7 @@ std::optional<FieldTilesChoice> judged(const FieldTilesTask& task, const FineSce
   }
   const FieldTileAxis *x = &axes[0], *y = &axes[1];
   const double norm = norm_of(*x, *y);
-  FieldTilesChoice choice{.candidate = {}, .axes = {*x, *y}, .grid = scene.grid, .finer = scene.finer};
+  FieldTilesChoice choice{.candidate = {}, .axes = {*x, *y}, .halos = halos, .grid = scene.grid, .finer = scene.finer};
   Candidate& report = choice.candidate;
   report.method = Method::field_tiles;
   report.detail =
@@ -283,10 +298,7 @@ std::optional<FieldTilesChoice> judged(const FieldTilesTask& task, const FineSce
       rounding_units(x->job, y->job) + 4.0 * TileModes::kTerms + 2.0 + in_double(static_cast<std::int64_t>(most));
   report.predicted.arithmetic = kFloatUnit * units * unit * cut.gain + storage_error(options);
   if (scene.interpolated()) report.predicted.arithmetic += unit * cut.gain * scene.finer->report().predicted.total();
-  report.cost_ms = tiles_cost_ms(cut, *x, *y);
-  if (scene.interpolated())
-    for (const Candidate& way : scene.finer->report().candidates)
-      if (way.reason.empty()) report.cost_ms += way.cost_ms;
+  report.cost_ms = tiles_cost_ms(cut, *x, *y) + interpolation_ms(scene);
   report.bytes = static_cast<std::int64_t>(static_cast<double>(cut.modes) *
                                            spectral_bytes(x->job, y->job, Parities(false, false, false)));
   return choice;
@@ -301,6 +313,7 @@ FieldTilesChoice choose_field_tiles(const FieldTilesTask& task) {
     best.candidate.reason = reason;
     return best;
   };
+  if (task.field.count() == 0) return none("the mean OTF keeps the tolerance by itself; leave --method out");
   const std::vector<FineScene> scenes = fine_scenes(task);
   if (scenes.empty()) return none("the pitch is not a ratio of small whole numbers of samples");
   const double left = task.field.error(task.field.count());
@@ -317,17 +330,33 @@ FieldTilesChoice choose_field_tiles(const FieldTilesTask& task) {
       cuts.push_back(std::move(*cut));
     }
   if (cuts.empty()) return none("tiles take more than " + std::to_string(kMostTileModes) + " modes each");
+  // The cheapest first, with short halos. Where halos may err by as much or less they are no shorter, of whatever
+  // tiles, than those that have been found: what is dearer with these is not judged.
+  struct Way {
+    std::size_t scene;
+    const CutImage* cut;
+    std::int64_t halo = kLeastHalo;
+  };
+  std::vector<Way> ways;
+  for (std::size_t i = 0; i < scenes.size(); ++i)
+    for (const CutImage& cut : cuts) ways.push_back({i, &cut});
+  const auto least_ms = [&](const Way& way) { return least_cost_ms(task, scenes[way.scene], *way.cut, way.halo); };
+  std::ranges::sort(ways, {}, least_ms);
+  std::vector<std::optional<FineOtfs>> fine(scenes.size());
   const CutImage* chosen = nullptr;
-  for (const FineScene& scene : scenes) {
-    const FineOtfs fine = fine_otfs(task, scene);
-    for (const CutImage& cut : cuts) {
-      const double below = chosen != nullptr ? best.candidate.cost_ms : std::numeric_limits<double>::infinity();
-      std::optional<FieldTilesChoice> choice = judged(task, scene, fine, cut, below);
-      if (!choice || choice->candidate.cost_ms >= below) continue;
-      best = std::move(*choice);
-      best.otfs = fine.otfs;
-      chosen = &cut;
-    }
+  for (const Way& way : ways) {
+    const double below = chosen != nullptr ? best.candidate.cost_ms : std::numeric_limits<double>::infinity();
+    if (least_ms(way) >= below) continue;
+    if (!fine[way.scene]) fine[way.scene] = fine_otfs(task, scenes[way.scene]);
+    std::optional<FieldTilesChoice> choice = judged(task, scenes[way.scene], *fine[way.scene], *way.cut);
+    if (!choice) continue;
+    for (Way& other : ways)
+      if (other.scene == way.scene && other.cut->halo_allowed <= way.cut->halo_allowed)
+        other.halo = std::max(other.halo, std::min(choice->halos[0], choice->halos[1]));
+    if (choice->candidate.cost_ms >= below) continue;
+    best = std::move(*choice);
+    best.otfs = fine[way.scene]->otfs;
+    chosen = way.cut;
   }
   if (chosen == nullptr) return none("no halo up to a tile keeps the tolerance");
   best.tiles = chosen->tiles;

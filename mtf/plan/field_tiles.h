@@ -49,6 +49,7 @@ struct FieldTileAxis {
 struct FieldTilesChoice {
   Candidate candidate;  ///< candidate.reason: why there are none
   std::array<FieldTileAxis, 2> axes;
+  std::array<std::int64_t, 2> halos{};                        ///< samples that are enough, of which axes may have more
   SampleGrid grid;                                            ///< of the samples that tiles read,
   std::optional<Plan> finer = {};                             ///< which this makes of the scene
   std::vector<std::shared_ptr<const FactoredOtf>> otfs = {};  ///< of the modes of the image, on that grid
@@ -62,6 +63,8 @@ class FieldTiles {
  public:
   /// How far OTFs have to be known, in units of the scene's Nyquist frequencies.
   static constexpr double kReach = 1.25;
+  /// Pixels on a side of the smallest tiles, about.
+  static constexpr std::int64_t kLeastSide = 128;
 
   FieldTiles(FieldTilesChoice choice, Border border, int threads);
 

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 
 #include "mtf/engines/fft/axis.h"
+#include "mtf/math/clones.h"
 
 namespace mtf {
 namespace {
@@ -83,15 +85,44 @@ void for_sections(const FactoredOtf& sampler, const CanvasRequest& request, std:
   }
 }
 
+MTFKIT_CLONES void moduli_of(const Complex<double>* __restrict values, std::size_t count, double* __restrict moduli) {
+  for (std::size_t i = 0; i < count; ++i)
+    moduli[i] = std::sqrt(values[i].re * values[i].re + values[i].im * values[i].im);
+}
+
+/// sum[i] = the sum over k of weight[k] from[k][i], in lots that stay in registers.
+MTFKIT_CLONES void weighted_sum(std::span<const double* const> from, const double* weight, std::size_t count,
+                                double* sum) {
+  constexpr std::size_t kLanes = 8, kLot = 8 * kLanes;
+  using Lanes [[gnu::vector_size(kLanes * sizeof(double))]] = double;
+  std::size_t i = 0;
+  for (; i + kLot <= count; i += kLot) {
+    Lanes lot[kLot / kLanes]{};
+    for (std::size_t k = 0; k < from.size(); ++k)
+      for (std::size_t v = 0; v < kLot / kLanes; ++v) {
+        Lanes one;
+        std::memcpy(&one, from[k] + i + v * kLanes, sizeof one);
+        lot[v] += weight[k] * one;
+      }
+    std::memcpy(sum + i, lot, sizeof lot);
+  }
+  for (; i < count; ++i) {
+    sum[i] = 0.0;
+    for (std::size_t k = 0; k < from.size(); ++k) sum[i] += weight[k] * from[k][i];
+  }
+}
+
 // Raises tails to those of one kernel.
 void raise_tails(std::span<const Complex<double>> kernel, double beyond, double silent, std::vector<double>& tails) {
   const std::size_t n = kernel.size();
+  std::vector<double> moduli(n);
+  moduli_of(kernel.data(), n, moduli.data());
   double sum = beyond * static_cast<double>(n);
   tails.back() = std::max(tails.back(), beyond);
   for (std::size_t d = n / 2; d-- > 0;) {
     // Distances d + 1 to both sides; the middle of an even canvas is both.
     for (const std::size_t i : {d + 1, n - d - 1})
-      if (const double k = std::hypot(kernel[i].re, kernel[i].im); k > silent) sum += k;
+      if (moduli[i] > silent) sum += moduli[i];
     tails[d] = std::max(tails[d], sum / static_cast<double>(n));
   }
 }
@@ -127,16 +158,16 @@ std::vector<double> tails_of_sum(std::span<const SectionKernels> kernels, std::s
   const std::size_t count = kernels.front().beyond.size(), n = kernels.front().values.size() / count;
   std::vector<double> tails(n / 2 + 1, 0.0);
   std::vector<Complex<double>> kernel(n);
+  std::vector<const double*> from(kernels.size());
   for (std::size_t s = 0; s < count; ++s) {
-    std::fill(kernel.begin(), kernel.end(), Complex<double>{});
     Complex<double> beyond{};
     double rounding = 0.0;
     for (std::size_t m = 0; m < kernels.size(); ++m) {
-      const Complex<double> w{weight[m], 0.0}, *const from = kernels[m].values.data() + s * n;
-      for (std::size_t i = 0; i < n; ++i) kernel[i].re += w.re * from[i].re, kernel[i].im += w.re * from[i].im;
-      beyond = beyond + w * kernels[m].beyond[s];
-      rounding += std::abs(w.re) * kernels[m].rounding;
+      from[m] = reinterpret_cast<const double*>(kernels[m].values.data() + s * n);
+      beyond = beyond + Complex<double>{weight[m], 0.0} * kernels[m].beyond[s];
+      rounding += std::abs(weight[m]) * kernels[m].rounding;
     }
+    weighted_sum(from, weight.data(), 2 * n, reinterpret_cast<double*>(kernel.data()));
     raise_tails(kernel, std::max(0.0, std::hypot(beyond.re, beyond.im) - rounding), noise * static_cast<double>(n),
                 tails);
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Plans of an OTF that changes over the image: one OTF where that is enough, else the mean OTF and modes of the image
-// (mtf/field/field_modes.h) or, where asked for, of its tiles (field_tiles.h).
+// (mtf/field/field_modes.h) or of its tiles (field_tiles.h), whichever is quicker.
 
 #include <algorithm>
 #include <array>
@@ -17,6 +17,7 @@ namespace {
 
 // Of the cost of a run of the mean: one mode more, and its weights for a pixel and term.
 constexpr double kModeAgain = 0.6, kModeWeightMs = 1.5e-7;
+constexpr std::size_t kModesForTiles = 12;  // with fewer the whole image is as quick
 
 }  // namespace
 
@@ -33,20 +34,31 @@ Plan compile_over_field(const System<double>& given, const SampleGrid& in, const
                      names_over_field(given) + ": leave --method out");
   require_spectrum_of(in, options);
   const Norms norms(in, out, options);
-  const bool try_tiles = options.method == Method::field_tiles;  // planning them takes as long as that of the modes
-  const auto field = std::make_shared<const FieldModes>(
-      system, in, out,
-      FieldModesOptions{.aperture = options.aperture,
-                        .table_error = std::clamp(0.1 * kTableShare * tolerance / norms.of_any(), 2e-9, 1e-6),
-                        .band_error = kBandShare * tolerance / norms.of_any(),
-                        .worst_unit = norms.of_any(),
-                        .spectrum = options.spectrum.get(),
-                        .spectrum_gain = norms.spectrum_gain,
-                        .part_gain = options.border == Border::reflect ? 0.5 : 1.0,
-                        .enough = kEnoughShare * tolerance,
-                        .reach = try_tiles ? FieldTiles::kReach : 1.0,
-                        .threads = options.threads,
-                        .progress = options.progress});
+  const bool asked = options.method == Method::field_tiles;
+  bool may_be_tiles = asked || (!options.method && std::min(out.width, out.height) >= 2 * FieldTiles::kLeastSide);
+  const auto modes_of_image = [&] {
+    return std::make_shared<const FieldModes>(
+        system, in, out,
+        FieldModesOptions{.aperture = options.aperture,
+                          .table_error = std::clamp(0.1 * kTableShare * tolerance / norms.of_any(), 2e-9, 1e-6),
+                          .band_error = kBandShare * tolerance / norms.of_any(),
+                          .worst_unit = norms.of_any(),
+                          .spectrum = options.spectrum.get(),
+                          .spectrum_gain = norms.spectrum_gain,
+                          .part_gain = options.border == Border::reflect ? 0.5 : 1.0,
+                          .enough = kEnoughShare * tolerance,
+                          .reach = may_be_tiles ? FieldTiles::kReach : 1.0,
+                          .threads = options.threads,
+                          .progress = options.progress});
+  };
+  std::shared_ptr<const FieldModes> field;
+  try {
+    field = modes_of_image();
+  } catch (const UsageError&) {  // tables may be too large for tiles alone, which take more of the OTFs
+    if (asked || !may_be_tiles) throw;
+    may_be_tiles = false;
+    field = modes_of_image();
+  }
   FieldReport report{field->points(), 0, 0, field->error_of_axis()};
   std::vector<std::string> notes;
   if (system.frame.columns > out.width || system.frame.rows > out.height)
@@ -113,8 +125,9 @@ Plan compile_over_field(const System<double>& given, const SampleGrid& in, const
                                                                 static_cast<double>(out.width * out.height));
   FieldTilesChoice choice;
   choice.candidate.method = Method::field_tiles;
-  choice.candidate.reason = "planned where asked for by name; runs quicker where modes are many";
-  if (try_tiles) {
+  choice.candidate.reason = "planned for " + std::to_string(kModesForTiles) +
+                            " modes and more of an image of several tiles, or where asked for by name";
+  if (asked || (may_be_tiles && follows && report.modes >= kModesForTiles)) {
     const auto interpolate = [&](const SampleGrid& grid) {
       PlanOptions exact = on_processor(options);
       exact.method = Method::fft_float;
@@ -134,9 +147,11 @@ Plan compile_over_field(const System<double>& given, const SampleGrid& in, const
     if (!choice.candidate.possible && choice.candidate.reason.empty())
       choice.candidate.reason = "does not keep the tolerance";
   }
-  Candidate* best = try_tiles ? &choice.candidate : &modes;
+  const bool quicker = choice.candidate.possible && choice.candidate.cost_ms < modes.cost_ms;
+  Candidate* best = asked || quicker ? &choice.candidate : &modes;
+  Candidate& other = best == &modes ? choice.candidate : modes;
+  if (other.possible) other.reason = asked ? "another was asked for" : "takes longer";
   if (!best->possible) best = nullptr;
-  if (best == &choice.candidate && modes.possible) modes.reason = "another was asked for";
   if (best == nullptr && follows) throw UsageError("method field_tiles: " + choice.candidate.reason);
   if (best == nullptr) {
     // Modes of a tenth of the tolerance are left out on top of what the places miss.

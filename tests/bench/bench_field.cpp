@@ -102,7 +102,7 @@ void measure(const Only& only, const char* what, const System<double>& system, s
         std::printf("    %s predicted %.1f ms: %s %s\n",
                     std::string(kMethodNames[static_cast<std::size_t>(way.method)]).c_str(), way.cost_ms,
                     way.detail.c_str(), way.reason.c_str());
-        if (i == 0 && way.possible && !way.reason.empty()) methods.push_back(way.method);
+        if (i == 0 && !way.reason.empty()) methods.push_back(way.method);
       }
       std::fflush(stdout);
     }

@@ -95,6 +95,27 @@ TEST(FieldTiles, UniformScenesThreadsAndKeptScenes) {
   for (std::int64_t i = 0; i < image.size(); ++i) ASSERT_EQ(image.data()[i], 3.25F);
 }
 
+// Where modes are many, and the image has room for several tiles, the quicker way is taken by itself.
+TEST(FieldTiles, AreTakenWhereModesAreMany) {
+  const System<double> s = some_lens();
+  for (const std::int64_t height : {std::int64_t{270}, std::int64_t{120}}) {
+    const Image scene = random_image(300, height, 5);
+    PlanOptions options = options_for(scene, Border::reflect, 2e-3);
+    const Plan plan = compile(s, scene_grid(s, 300, height, 1.0, 1.0), {300, height, 15.0, 15.0}, options);
+    const std::vector<Candidate>& ways = plan.report().candidates;
+    const auto way = [&](Method method) { return *std::ranges::find(ways, method, &Candidate::method); };
+    const Candidate modes = way(Method::field_modes), tiles = way(Method::field_tiles);
+    ASSERT_TRUE(modes.possible);
+    const bool quicker = tiles.possible && tiles.cost_ms < modes.cost_ms;
+    EXPECT_EQ(quicker, height == 270) << plan.explain();
+    EXPECT_EQ(plan.report().method, quicker ? "field_tiles" : "field_modes");
+    EXPECT_EQ((quicker ? modes : tiles).reason, quicker ? "takes longer"
+                                                        : "planned for 12 modes and more of an image of several tiles, "
+                                                          "or where asked for by name");
+    EXPECT_EQ((quicker ? tiles : modes).reason, "");
+  }
+}
+
 TEST(FieldTiles, ExplainShowsBothWays) {
   const System<double> s = some_lens();
   const Image scene = random_image(300, 200, 5);
