@@ -92,7 +92,7 @@ Scatter scatter_on_edge(const FitState& state) {
 
 // Whether fewer values lie near one end than a step further from it; `sign` is 1 at the smallest.
 bool ends_abruptly(const EdgePixels& pixels, double end, double sign, double step) {
-  constexpr double kFewest = 8.0, kGradual = 1.5;
+  constexpr double kFewest = 5.0, kGradual = 1.5;
   double near = 0.0, further = 0.0;
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     const double away = sign * (pixels.value()[i] - end);

@@ -272,12 +272,15 @@ TEST(MeasureOutcomes, ClippedOnBothSides) {
   };
   // Without noise it is the abrupt end of the values that tells.
   EXPECT_EQ(words(measure(changed(usual(0.0), cut))), 1);
-  for (const bool bright : {true, false})
-    EXPECT_EQ(words(measure(
-                  changed(usual(0.0), [&](float v, std::int64_t,
-                                          std::int64_t) { return bright ? std::min(v, 0.72F) : std::max(v, 0.28F); }))),
-              1)
-        << bright;
+  for (const bool bright : {true, false}) {
+    const auto one = [&](float v, std::int64_t, std::int64_t) {
+      return bright ? std::min(v, 0.72F) : std::max(v, 0.28F);
+    };
+    EXPECT_EQ(words(measure(changed(usual(0.0), one))), 1) << bright;
+    made::Scene few;  // values on a sharp edge
+    few.height = 80;
+    EXPECT_EQ(words(measure(changed(made::make(made::Step::gaussian(0.42), few), one))), 1) << bright;
+  }
   for (const double angle_deg : {1.0, 5.0, 20.0, 45.0}) {
     made::Scene scene;
     scene.angle_deg = angle_deg;
