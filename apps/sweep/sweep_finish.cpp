@@ -403,8 +403,11 @@ std::string sweep_summary(const SweepReport& report) {
       column && tally.highest_yield().design >= 0) {
     const double yield = tally.highest_yield().value;
     text += "highest yield " + fixed(100.0 * yield, 1) + " % +- " +
-            fixed(100.0 * study::yield_error(yield, study.draws), 1) + " % of " + std::to_string(study.draws) +
+            significant(100.0 * study::yield_error(yield, study.draws), 2) + " % of " + std::to_string(study.draws) +
             " draws: design " + std::to_string(tally.highest_yield().design) + "\n";
+    if (const double share = study::impossible_share(report.sweep->study, tally.highest_yield().design); share > 0.0)
+      text += "of these draws " + significant(100.0 * share, 3) +
+              " % are no possible sensor, as of a value below 0, and count as bad\n";
   }
   for (const std::string& line : study::condition_lines(study)) text += one_line(line) + "\n";
   for (std::size_t c = 0; c < columns.size(); ++c)

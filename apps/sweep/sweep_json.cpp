@@ -165,7 +165,10 @@ Json yield_json(const SweepReport& report, std::size_t column) {
     if (design.design < 0 || std::find(seen.begin(), seen.end(), design.design) != seen.end()) return;
     seen.push_back(design.design);
     const double yield = design.row[column];
-    best.push_back({{"design", design.design}, {"yield", yield}, {"sd", study::yield_error(yield, draws)}});
+    best.push_back({{"design", design.design},
+                    {"yield", yield},
+                    {"sd", study::yield_error(yield, draws)},
+                    {"impossible", study::impossible_share(report.sweep->study, design.design)}});
   };
   for (const study::TallyDesign& design : report.tally->best()) add(design);
   add(report.tally->highest_yield());

@@ -16,16 +16,15 @@
 namespace calib {
 namespace {
 
-// The smallest and the largest value, how many pixels have them and how far the next value is.
+// The smallest and the largest value, and how many pixels have them.
 struct Ends {
   std::ptrdiff_t at_low = 0, at_high = 0;
-  double low_step = 0.0, high_step = 0.0;
   double low = 0.0, high = 0.0;
 };
 
 MTFKIT_CLONES Ends ends_of(const double* values, std::size_t n) {
   constexpr std::size_t kLanes = 16;
-  std::array<double, kLanes> low, high, above, below;
+  std::array<double, kLanes> low, high;
   std::array<std::int64_t, kLanes> at_low{}, at_high{};
   low.fill(INFINITY);
   high.fill(-INFINITY);
@@ -37,33 +36,25 @@ MTFKIT_CLONES Ends ends_of(const double* values, std::size_t n) {
     }
   double least = *std::min_element(low.begin(), low.end()), most = *std::max_element(high.begin(), high.end());
   for (std::size_t i = whole; i < n; ++i) least = std::min(least, values[i]), most = std::max(most, values[i]);
-  above.fill(most);
-  below.fill(least);
   const auto take = [&](std::size_t k, double value) {
     at_low[k] += value == least ? 1 : 0;
     at_high[k] += value == most ? 1 : 0;
-    above[k] = value > least && value < above[k] ? value : above[k];
-    below[k] = value < most && value > below[k] ? value : below[k];
   };
   for (std::size_t i = 0; i < whole; i += kLanes)
     for (std::size_t k = 0; k < kLanes; ++k) take(k, values[i + k]);
   for (std::size_t i = whole; i < n; ++i) take(0, values[i]);
   return {std::accumulate(at_low.begin(), at_low.end(), std::ptrdiff_t{0}),
-          std::accumulate(at_high.begin(), at_high.end(), std::ptrdiff_t{0}),
-          *std::min_element(above.begin(), above.end()) - least,
-          most - *std::max_element(below.begin(), below.end()),
-          least,
-          most};
+          std::accumulate(at_high.begin(), at_high.end(), std::ptrdiff_t{0}), least, most};
 }
 
-// Of two different values between the ends: of rounded values a step or more.
-double least_difference(const EdgePixels& pixels, const Ends& ends) {
+// Of two different values between two limits: of rounded values a step or more.
+double least_difference(const EdgePixels& pixels, double low, double high) {
   std::vector<double> between;
   std::copy_if(pixels.value(), pixels.value() + pixels.size(), std::back_inserter(between),
-               [&](double value) { return value > ends.low && value < ends.high; });
+               [&](double value) { return value > low && value < high; });
   std::sort(between.begin(), between.end());
   between.erase(std::unique(between.begin(), between.end()), between.end());
-  double least = ends.high - ends.low;
+  double least = high - low;
   for (std::size_t i = 1; i < between.size(); ++i) least = std::min(least, between[i] - between[i - 1]);
   return least;
 }
@@ -101,7 +92,7 @@ Scatter scatter_on_edge(const FitState& state) {
 
 // Whether fewer values lie near one end than a step further from it; `sign` is 1 at the smallest.
 bool ends_abruptly(const EdgePixels& pixels, double end, double sign, double step) {
-  constexpr double kFewest = 8.0, kGradual = 1.5;
+  constexpr double kFewest = 5.0, kGradual = 1.5;
   double near = 0.0, further = 0.0;
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     const double away = sign * (pixels.value()[i] - end);
@@ -178,13 +169,19 @@ EdgeFacts facts_of(const EdgePixels& pixels, const FitState& state, const EdgeMo
   const double a = side_error[0] / std::max(1.0, side_dof[0]), b = side_error[1] / std::max(1.0, side_dof[1]);
   const bool enough = std::min(side_dof[0], side_dof[1]) > 50.0;
   const double visible = 1e-5 * facts.contrast * facts.contrast;
-  // A side whose noise is below the step between values has one or two of them though it is not clipped.
-  const auto fine = [](double variance, double step) { return variance > 0.36 * step * step; };
+  // A side whose noise is below the step between values has one or two of them though it is not clipped. The step is
+  // that of the quarter of the values at the end: on a sharp edge the last but one may be far from the last by chance.
+  const auto fine = [&](double variance, double low, double high) {
+    const double step = least_difference(pixels, low, high);
+    return variance > 0.36 * step * step;
+  };
   constexpr double kHeaped = 0.2;  // of a side's pixels
-  facts.bright_is_flat = enough && a > visible && fine(a, ends.high_step) &&
-                         (b < 1e-10 || static_cast<double>(ends.at_high) > kHeaped * bright);
-  facts.dark_is_flat = enough && b > visible && fine(b, ends.low_step) &&
-                       (a < 1e-10 || static_cast<double>(ends.at_low) > kHeaped * dark);
+  const bool low_is_heaped = static_cast<double>(ends.at_low) > kHeaped * dark,
+             high_is_heaped = static_cast<double>(ends.at_high) > kHeaped * bright;
+  const double quarter = 0.25 * (ends.high - ends.low);
+  facts.bright_is_flat =
+      enough && a > visible && (b < 1e-10 || high_is_heaped) && fine(a, ends.high - quarter, ends.high);
+  facts.dark_is_flat = enough && b > visible && (a < 1e-10 || low_is_heaped) && fine(b, ends.low, ends.low + quarter);
   constexpr int kHalf_px = 2, kPerPixel = 8, kMerged = kFinest / kPerPixel;
   int filled = 0;
   for (int k = -kHalf_px * kPerPixel; k < kHalf_px * kPerPixel; ++k) {
@@ -193,16 +190,17 @@ EdgeFacts facts_of(const EdgePixels& pixels, const FitState& state, const EdgeMo
     filled += n > 0.0;
   }
   facts.oversampling = static_cast<double>(filled) / (2.0 * kHalf_px);
-  if (static_cast<double>(ends.at_low) > kHeaped * dark && static_cast<double>(ends.at_high) > kHeaped * bright) {
-    constexpr double kFewestOnEdge = 10.0, kQuiet = 0.5, kStep = 0.05;
+  if (low_is_heaped && high_is_heaped) {
+    constexpr double kFewestOnEdge = 10.0, kQuiet = 0.5;
     const Scatter on_edge = scatter_on_edge(state);
-    const double rounding = least_difference(pixels, ends);
     facts.both_are_flat = on_edge.dof >= kFewestOnEdge && on_edge.variance() > visible &&
-                          std::max(a, b) < kQuiet * on_edge.variance() && fine(on_edge.variance(), rounding);
-    const double step = kStep * facts.contrast;
-    facts.ends_abruptly = !facts.few_distances() && rounding <= 0.25 * step &&
-                          ends_abruptly(pixels, ends.low, 1.0, step) && ends_abruptly(pixels, ends.high, -1.0, step);
+                          std::max(a, b) < kQuiet * on_edge.variance() && fine(on_edge.variance(), ends.low, ends.high);
   }
+  constexpr double kStep = 0.05;
+  const double step = kStep * facts.contrast;
+  facts.ends_abruptly = ((low_is_heaped && ends_abruptly(pixels, ends.low, 1.0, step)) ||
+                         (high_is_heaped && ends_abruptly(pixels, ends.high, -1.0, step))) &&
+                        !facts.few_distances() && least_difference(pixels, ends.low, ends.high) <= 0.25 * step;
   return facts;
 }
 

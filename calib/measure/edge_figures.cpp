@@ -223,11 +223,32 @@ std::optional<Estimate> full_width(const EdgeResponse& response, const EdgeMeasu
   return linear(response, right - left, side(right) - side(left));
 }
 
-Estimate overshoot(const EdgeResponse& response) {
-  double at = 1.0, most = response.esf(at);
+// The edge about the place where E is 1/2. It is not the location of least phase where a blur has a tail on one side.
+class HalfWay {
+ public:
+  HalfWay(const EdgeResponse& response, const EdgeMeasurement& out) : response_(response) {
+    const auto rises = std::find_if(out.esf.begin() + 1, out.esf.end() - 1, [](double esf) { return esf >= 0.5; });
+    const auto i = static_cast<std::size_t>(rises - out.esf.begin());
+    at_ = falls_to(0.5, {out.distance_px[i - 1], 1.0 - out.esf[i - 1]}, {out.distance_px[i], 1.0 - out.esf[i]},
+                   [&](double d) { return 1.0 - response_.esf(d); });
+    moves_ = response_.esf_row(at_) / -std::max(1e-6, response_.lsf(at_));
+  }
+  double esf(double d_px) const { return response_.esf(at_ + d_px); }
+  EdgeResponse::Row row(double d_px) const {
+    return response_.esf_row(at_ + d_px) + response_.lsf(at_ + d_px) * moves_;
+  }
+
+ private:
+  const EdgeResponse& response_;
+  double at_ = 0.0;
+  EdgeResponse::Row moves_;  // derivatives of the place
+};
+
+Estimate overshoot(const EdgeResponse& response, const HalfWay& edge) {
+  double at = 1.0, most = edge.esf(at);
   for (double d = 1.0625; d <= 3.0; d += 0.0625)
-    if (const double esf = response.esf(d); esf > most) at = d, most = esf;
-  return linear(response, most - 1.0, response.esf_row(at));
+    if (const double esf = edge.esf(d); esf > most) at = d, most = esf;
+  return linear(response, most - 1.0, edge.row(at));
 }
 
 double sagitta(const EdgeCurve& curve) {
@@ -295,8 +316,9 @@ void describe(const EdgeResponse& response, EdgeMeasurement& out) {
   if (!out.mtf50p) out.absent.emplace_back("mtf50p", "the MTF stays above half of its peak up to 1 cycle per pixel");
   constexpr std::size_t kNyquist = 100;
   out.nyquist = Estimate{out.mtf[kNyquist], out.mtf_sd[kNyquist]};
-  out.rer = linear(response, response.esf(0.5) - response.esf(-0.5), response.esf_row(0.5) - response.esf_row(-0.5));
-  out.overshoot = overshoot(response);
+  const HalfWay edge(response, out);
+  out.rer = linear(response, edge.esf(0.5) - edge.esf(-0.5), edge.row(0.5) - edge.row(-0.5));
+  out.overshoot = overshoot(response, edge);
   out.fwhm_px = full_width(response, out);
   if (!out.fwhm_px)
     out.absent.emplace_back("fwhm_px", "the line spread function has no peak of half height on both sides");

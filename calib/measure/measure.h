@@ -36,8 +36,8 @@ inline constexpr double kCurveStep_cy_px = 0.005;
 
 /// The warning that comes with EdgeMeasurement::ends_abruptly.
 inline constexpr std::string_view kEndsAbruptly =
-    "many pixels have exactly the smallest and many exactly the largest value, and few lie next to these: if both "
-    "sides are clipped the MTF is too high";
+    "many pixels have exactly the smallest or exactly the largest value, and few lie next to it: if sides are clipped "
+    "the MTF is too high";
 
 struct MeasureOptions {
   std::optional<int> order{};        ///< of the edge curve, 1 to 5; chosen by an F-test when not given
@@ -98,8 +98,9 @@ struct EdgeMeasurement {
   std::optional<Estimate> mtf10, mtf20, mtf30, mtf50;  ///< frequency of that contrast, cycles per pixel
   /// Frequency beyond the peak of the MTF at which half of the peak is left: of sharpened images, else as mtf50.
   std::optional<Estimate> mtf50p;
-  std::optional<Estimate> nyquist;              ///< MTF at 0.5 cycles per pixel
-  std::optional<Estimate> rer;                  ///< E(0.5) - E(-0.5): relative edge response
+  std::optional<Estimate> nyquist;  ///< MTF at 0.5 cycles per pixel
+  /// Both count from where E is 1/2, as those of a system do (mtf/metrics/resolution.h).
+  std::optional<Estimate> rer;                  ///< relative edge response: the rise of E from -0.5 to 0.5 px
   std::optional<Estimate> overshoot;            ///< largest E from 1 to 3 px beyond the edge, less 1 (GIQE: H)
   std::optional<Estimate> fwhm_px;              ///< of the line spread function
   std::optional<Estimate> mtfa;                 ///< integral of the MTF from 0 to 0.5 cycles per pixel, x 2

@@ -5,8 +5,8 @@
 //   eye     CTF(u) = sqrt(2/eyes) / S(u), S the contrast sensitivity of mtf/components/eye_fits.h, u in cycles/degree
 //           at the eye; the fits are for both eyes. Contrast is modulation, (bright - dark)/(bright + dark).
 //   system  CTF_sys(f) = CTF(f/M)/(M_disp H(f)) sqrt(1 + alpha^2 Gamma^2 Q_along(f) Q_across / S_tmp^2)
-//           Q_along = integral of |B(f'/f) H_post(f')|^2 df', B = exp(-2.2 ln^2(f'/f)); Q_across without B; both over
-//           all f', negative ones too
+//           Q_along = integral of |B(f'/f) H_post(f')|^2 df', B = exp(-2.2 ln^2(f'/f)); Q_across of the other axis,
+//           without B; both over all f', negative ones too
 //   MRT(f) = 2 S_tmp CTF_sys(f), of bars seen so
 // f: cycles/mrad in object space; M: magnification, angle at the eye over angle in object space; M_disp: contrast that
 // the display leaves; H: MTF of everything before the eye; H_post: what filters the noise, display and eye's MTF;

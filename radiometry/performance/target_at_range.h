@@ -242,15 +242,18 @@ class DisplayObserver {
         mtf::value_of(all2) > 0.0 ? S((temporal2 * sensor.late + spatial2 * sensor.late_spatial) / all2) : S(0);
     const S density = noise_density(rms_k, spacing_x_mrad_, spacing_y_mrad_, frame_rate_hz_);
     const S contrast = S(0.5) * contrast_k * sensor.contrast_share / scene_k_;
-    const auto along = [&](mtf::Axis axis, const Channel& early, const Channel& behind) {
+    // Across the bars it is the filters of the other axis that act on the noise.
+    const auto along = [&](mtf::Axis axis, const Channel& early, const Channel& behind, const S& across,
+                           const S& behind_across) {
       const auto sensitivity = [&](double f) {
-        const S seen = (S(1) - late) * early.along(f) * early.across + late * behind.along(f) * behind.across;
+        const S seen = (S(1) - late) * early.along(f) * across + late * behind.along(f) * behind_across;
         const S factor = noise_factor(S(kAlphaNvThermIp), density, seen, S(1), scene_k_);
         return system_sensitivity(observer_, f, sensor.otf.mtf(axis, f), factor);
       };
       return axis_ttp(sensitivity_course(sensitivity, cutoff_), sensitivity, contrast);
     };
-    return ttp_of(along(mtf::Axis::x, x_, late_x_), along(mtf::Axis::y, y_, late_y_));
+    return ttp_of(along(mtf::Axis::x, x_, late_x_, y_.across, late_y_.across),
+                  along(mtf::Axis::y, y_, late_y_, x_.across, late_x_.across));
   }
   /// ln V, of the cycles on a target of that size at that range; -infinity for none.
   S log_cycles(const SensorAtRange<S>& sensor, const S& contrast_k, const S& size_m, double range_m) const {

@@ -233,7 +233,10 @@ std::array<double, kFigures> truth_of(const Step& step) {
     }
     return near;
   };
-  for (double d = 1.0; d <= 3.0; d += 1e-3) overshoot = std::max(overshoot, step.at(d) - 1.0);
+  double dark = -3.0, bright = 3.0;  // about where the step is half way up
+  for (int round = 0; round < 50; ++round)
+    (step.at(0.5 * (dark + bright)) < 0.5 ? dark : bright) = 0.5 * (dark + bright);
+  for (double d = 1.0; d <= 3.0; d += 1e-3) overshoot = std::max(overshoot, step.at(dark + d) - 1.0);
   return {std::abs(step.mtf(0.05)),
           std::abs(step.mtf(0.1)),
           std::abs(step.mtf(0.25)),

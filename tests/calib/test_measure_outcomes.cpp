@@ -238,6 +238,21 @@ TEST(MeasureOutcomes, CutOffOrCoarselyQuantised) {
   EXPECT_NEAR(found.mtf50->value, 0.3, 5.0 * found.mtf50->sd);
 }
 
+// On a sharp edge few values lie between the sides: the last one below a clipped side may be far from it by chance.
+TEST(MeasureOutcomes, OneSideClippedBesideASharpEdge) {
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    made::Scene scene;
+    scene.height = 60;
+    scene.noise_sd = 0.004;
+    scene.seed = seed;
+    const auto cut = [&](float v, std::int64_t, std::int64_t) {
+      return seed % 2 == 0 ? std::min(v, 0.7F) : std::max(v, 0.3F);
+    };
+    const EdgeMeasurement found = measure(changed(made::make(made::Step::gaussian(0.45), scene), cut));
+    EXPECT_EQ(found.trouble, Trouble::clipped) << seed << found.reason;
+  }
+}
+
 // Both sides clipped far inside their plateaus have no noise, and the rest of the edge is too steep.
 TEST(MeasureOutcomes, ClippedOnBothSides) {
   const auto cut = [](float v, std::int64_t, std::int64_t) { return std::clamp(v, 0.28F, 0.72F); };
@@ -257,6 +272,15 @@ TEST(MeasureOutcomes, ClippedOnBothSides) {
   };
   // Without noise it is the abrupt end of the values that tells.
   EXPECT_EQ(words(measure(changed(usual(0.0), cut))), 1);
+  for (const bool bright : {true, false}) {
+    const auto one = [&](float v, std::int64_t, std::int64_t) {
+      return bright ? std::min(v, 0.72F) : std::max(v, 0.28F);
+    };
+    EXPECT_EQ(words(measure(changed(usual(0.0), one))), 1) << bright;
+    made::Scene few;  // values on a sharp edge
+    few.height = 80;
+    EXPECT_EQ(words(measure(changed(made::make(made::Step::gaussian(0.42), few), one))), 1) << bright;
+  }
   for (const double angle_deg : {1.0, 5.0, 20.0, 45.0}) {
     made::Scene scene;
     scene.angle_deg = angle_deg;

@@ -219,6 +219,29 @@ TEST(MeasureTruth, ShadingIsNotBlur) {
   }
 }
 
+// A Gaussian of sigma s behind a low-pass, an exponential of the length t, in closed form: relative edge response and
+// overshoot count from where the edge is half way up, which here is not where its phase is least.
+TEST(MeasureTruth, EdgeFiguresOfATailOnOneSide) {
+  constexpr double s = 0.7, t = 1.6;
+  const auto phi = [](double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2); };
+  const auto esf = [&](double d) { return phi(d / s) - std::exp(0.5 * s * s / (t * t) - d / t) * phi(d / s - s / t); };
+  const made::Step step = made::Step::closed(esf, [](double f) {
+    return std::exp(-2.0 * std::pow(std::numbers::pi * s * f, 2)) / std::hypot(1.0, 2.0 * std::numbers::pi * t * f);
+  });
+  double dark = -5.0, bright = 5.0;
+  for (int i = 0; i < 60; ++i) (esf(0.5 * (dark + bright)) < 0.5 ? dark : bright) = 0.5 * (dark + bright);
+  made::Scene scene = scene_at(5.0);
+  scene.noise_sd = 0.002;
+  for (scene.seed = 1; scene.seed <= 8; ++scene.seed) {
+    const EdgeMeasurement found = measure(made::make(step, scene));
+    ASSERT_EQ(found.trouble, Trouble::none) << found.reason;
+    EXPECT_NEAR(found.rer->value, esf(dark + 0.5) - esf(dark - 0.5), 4.0 * found.rer->sd);
+    EXPECT_LT(found.rer->sd, 2e-3);
+    EXPECT_NEAR(found.overshoot->value, esf(dark + 3.0) - 1.0, 4.0 * found.overshoot->sd);
+    EXPECT_LT(found.overshoot->sd, 4e-3);
+  }
+}
+
 TEST(MeasureTruth, FiguresOfAGaussian) {
   const double mtf50 = 0.25, sigma_px = std::sqrt(0.5 * std::numbers::ln2) / (std::numbers::pi * mtf50);
   const made::Step step = made::Step::gaussian(mtf50);

@@ -107,8 +107,9 @@ std::vector<Column> columns_of(const Study& study) {
   if (!study.constraints.empty())
     columns.push_back({"feasible", "", "1 where every constraint holds", "study file", Column::Role::feasible});
   if (study.draws > 0)
-    columns.push_back(
-        {"yield", "", "share of as-built draws that meet every constraint", "study file", Column::Role::yield});
+    columns.push_back({"yield", "",
+                       "share of as-built draws that meet every constraint; one that no sensor can be meets none",
+                       "study file", Column::Role::yield});
   columns.push_back({"error", "",
                      "largest error of the metrics, estimated: absolute where they are at most 1, else relative",
                      "mtf/otf/otf_series.h", Column::Role::error});

@@ -56,6 +56,7 @@ double DesignRows::yield_of(std::span<const double> row) {
   design_at(*study_, design_, axis_values_);
   reader_.read(row, slots_);
   std::int64_t good = 0;
+  impossible_ = 0;
   for (int d = 0; d < study_->draws; ++d) {
     for (std::size_t k = 0; k < shift_.size(); ++k) {
       const AsBuilt& built = study_->as_built[k];
@@ -66,6 +67,7 @@ double DesignRows::yield_of(std::span<const double> row) {
     }
     evaluator_.evaluate_at(axis_values_, built_row_, shift_);
     good += (feasible_ ? built_row_[*feasible_] == 1.0 : evaluator_.last_valid()) ? 1 : 0;
+    impossible_ += evaluator_.last_problem().empty() ? 0 : 1;
   }
   return static_cast<double>(good) / study_->draws;
 }
@@ -73,6 +75,13 @@ double DesignRows::yield_of(std::span<const double> row) {
 double yield_error(double yield, int draws) {
   const double n = draws + 1.0, share = (yield * draws + 0.5) / n;
   return std::sqrt(share * (1.0 - share) / n);
+}
+
+double impossible_share(const std::shared_ptr<const Study>& study, std::int64_t design) {
+  DesignRows rows(study, std::make_shared<const std::vector<double>>(as_built_draws(*study)));
+  std::vector<double> row(columns_of(*study).size());
+  rows(design, row);
+  return static_cast<double>(rows.impossible()) / study->draws;
 }
 
 std::function<RowMaker()> row_makers(const std::shared_ptr<const Study>& study) {

@@ -18,6 +18,8 @@ class DesignRows {
  public:
   DesignRows(std::shared_ptr<const Study> study, std::shared_ptr<const std::vector<double>> draws);
   void operator()(std::int64_t design, std::span<double> row);
+  /// Draws about the last design that no sensor can be, as a jitter below 0. They count as bad.
+  std::int64_t impossible() const { return impossible_; }
 
  private:
   double yield_of(std::span<const double> row);
@@ -28,13 +30,16 @@ class DesignRows {
   SlotReader reader_;
   std::optional<std::size_t> feasible_, yield_;
   std::vector<double> axis_values_, built_row_, shift_, slots_;
-  std::int64_t design_ = 0;
+  std::int64_t design_ = 0, impossible_ = 0;
 };
 
 /// Standard deviation of a share p of n `draws`, above 0 where all or none of them are good:
 /// sqrt(q (1 - q) / (n + 1)), q = (p n + 1/2) / (n + 1), after Agresti and Coull, American Statistician 52 (1998) 119,
 /// for one standard deviation.
 double yield_error(double yield, int draws);
+
+/// DesignRows::impossible of a design, as a share of its draws.
+double impossible_share(const std::shared_ptr<const Study>& study, std::int64_t design);
 
 /// A maker of rows for each thread.
 std::function<RowMaker()> row_makers(const std::shared_ptr<const Study>& study);

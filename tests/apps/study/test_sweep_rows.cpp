@@ -63,6 +63,16 @@ TEST(Yield, OfAUniformVariationIsTheShareOfItsRange) {
   }
 }
 
+// A pitch below 0 is none: of a normal law of 12 +- 12 um it is Phi(-1) of the draws, of 12 +- 1 um none.
+TEST(Yield, TellsDrawsThatNoSensorCanBe) {
+  constexpr int kDraws = 2000;
+  const double truth = 0.5 * std::erfc(1.0 / std::sqrt(2.0));
+  const Scratch wide, narrow;
+  EXPECT_NEAR(study::impossible_share(pitch_study(wide, "sd = \"12 um\"", kDraws), 0), truth,
+              4.0 * study::yield_error(truth, kDraws));
+  EXPECT_EQ(study::impossible_share(pitch_study(narrow, "sd = \"1 um\"", kDraws), 0), 0.0);
+}
+
 TEST(Yield, DrawsAreCommonToAllDesigns) {
   // The pitch at limits that are one apart: with common draws the yield falls from design to design without fail.
   const Scratch scratch;
