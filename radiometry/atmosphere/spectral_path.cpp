@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <numeric>
+
 #include "mtf/error.h"
 #include "radiometry/atmosphere/spectral_impl.h"
 #include "radiometry/light/constants.h"
@@ -112,6 +114,32 @@ std::string limit_of_fog(const Haze<double>& haze) {
          mtf::format_double(1e-3 * haze.visibility_m) + " km is that of haze";
 }
 
+/// Haze thins with the altitude, whatever the visibility; at the lowest end of the line.
+std::string limit_of_haze(const Air<double>& air, const std::optional<Sight<double>>& sight) {
+  constexpr double kThin = 0.5;
+  double lowest_m = air.profile.levels.front().altitude_m;
+  if (sight)
+    std::visit(
+        [&](const auto& line) {
+          if constexpr (requires { line.altitude_m; })
+            lowest_m = line.altitude_m;
+          else if constexpr (requires { line.object_altitude_m; })
+            lowest_m = std::min(line.sensor_altitude_m, line.object_altitude_m);
+          else if (line.zenith_rad <= 0.5 * mtf::kPi)
+            lowest_m = line.sensor_altitude_m;
+        },
+        *sight);
+  const auto sum_at = [&](double altitude_m) {
+    const auto regions = aerosol_per_km(air.haze, altitude_m);
+    return std::accumulate(regions.begin(), regions.end(), 0.0);
+  };
+  const double here = sum_at(lowest_m), ground = sum_at(0.0);
+  if (air.haze.kind == HazeKind::none || here >= kThin * ground) return {};
+  return "the visibility is that at the altitude of the sea, and haze thins above 1 km; at " +
+         mtf::format_double(std::round(lowest_m)) + " m it takes " +
+         mtf::format_double(std::round(100.0 * here / ground)) + " % as much";
+}
+
 }  // namespace
 
 double scattering_depth(Air<double> air, const Sight<double>& sight, const Interval& band) {
@@ -156,6 +184,7 @@ std::vector<std::string> limits_of(const Air<double>& air, const Interval& band,
         "fog and rain emit as if they absorbed all that they take: scattering of thermal radiation is not modelled");
   if (air.rain_mm_h > 0.0) limits.push_back("where it rains (below 6 km) the air is taken as saturated with vapour");
   if (std::string text = limit_of_fog(air.haze); !text.empty()) limits.push_back(std::move(text));
+  if (std::string text = limit_of_haze(air, sight); !text.empty()) limits.push_back(std::move(text));
   const auto* level = sight ? std::get_if<Horizontal<double>>(&*sight) : nullptr;
   if (level != nullptr)
     if (std::string text = limit_of_level(*level); !text.empty()) limits.push_back(std::move(text));

@@ -40,7 +40,7 @@ CubicPlace elevation_place(double elevation_rad) {
 Backdrop::Backdrop(const RenderScene& scene, const BandNodes& nodes, const LightSources& sources, const AirView* view,
                    double camera_height_m, double ground_m, std::optional<double> nearest_m)
     : camera_above_m_(camera_height_m - ground_m),
-      nearest_m_(std::max(nearest_m.value_or(camera_above_m_), kNearest_m)) {
+      nearest_m_(std::clamp(nearest_m.value_or(camera_above_m_), kNearest_m, 0.5 * kFarthest_m)) {
   below_.emplace_back();
   const AirView* layered = view != nullptr && view->layered() ? view : nullptr;
   const std::vector<double> ground = fold(nodes, sources.radiance[sources.ground()]);
@@ -95,7 +95,7 @@ double Backdrop::path_radiance(double sine_of_elevation) const {
 
 double Backdrop::range_m(double sine_of_elevation) const {
   if (sine_of_elevation >= 0.0 || camera_above_m_ <= 0.0) return std::numeric_limits<double>::infinity();
-  return std::min(camera_above_m_ / -sine_of_elevation, kFarthest_m);
+  return camera_above_m_ / -sine_of_elevation;
 }
 
 }  // namespace radiometry::render

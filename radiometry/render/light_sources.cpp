@@ -93,9 +93,16 @@ Values sunlight(const BandNodes& nodes, const AirView* air, const Sun& sun) {
   if (air == nullptr) return out;
   const double zenith = std::acos(std::min(1.0, sun.to_sun[2] / scene::length(sun.to_sun)));
   const auto sight = air->to_space(zenith);
-  const auto all = spectral_path(air->air(), atmosphere::Sight<double>(atmosphere::ToSpace<double>{
-                                                 .sensor_altitude_m = air->sensor_altitude_m(), .zenith_rad = zenith}));
-  // The mean transmission of all the sunlight that the model knows of.
+  const double passed = sunlight_passed(air->air(), air->sensor_altitude_m(), zenith);
+  const Values transmission = at_nodes(nodes, sight->transmission);
+  for (std::size_t k = 0; k < out.size(); ++k) out[k] *= passed > 0.0 ? transmission[k] / passed : 0.0;
+  return out;
+}
+
+}  // namespace
+
+double sunlight_passed(const atmosphere::Air<double>& air, double altitude_m, double zenith_rad) {
+  const auto all = spectral_path(air, atmosphere::Sight<double>(atmosphere::ToSpace<double>{altitude_m, zenith_rad}));
   double light = 0.0, passed = 0.0;
   for (std::size_t i = 0; i + 1 < all.wavenumber_cm.size(); ++i) {
     const double lo = 1e4 / all.wavenumber_cm[i + 1], hi = 1e4 / all.wavenumber_cm[i];
@@ -103,12 +110,8 @@ Values sunlight(const BandNodes& nodes, const AirView* air, const Sun& sun) {
     light += part;
     passed += part * 0.5 * (all.transmission[i] + all.transmission[i + 1]);
   }
-  const Values transmission = at_nodes(nodes, sight->transmission);
-  for (std::size_t k = 0; k < out.size(); ++k) out[k] *= transmission[k] * light / passed;
-  return out;
+  return passed / light;
 }
-
-}  // namespace
 
 Patches patches_by_temperature(const RenderScene& scene, std::size_t most) {
   constexpr double kLeast_k = 1.0, kMost_k = 1e4;

@@ -59,6 +59,9 @@ LightSources light_sources(const RenderScene& scene, const BandNodes& nodes,
                            std::span<const std::vector<double>> emissivity, const Patches& patches,
                            std::span<const double> patch_k, const scene::Views& views, const AirView* sky);
 
+/// The share of the sunlight from 0.4 to 15.4 um that comes through layered air to that altitude.
+double sunlight_passed(const atmosphere::Air<double>& air, double altitude_m, double zenith_rad);
+
 /// The radiance of the sky at the nodes, at a zenith angle below a right angle.
 std::vector<double> sky_at(const Sky& sky, const BandNodes& nodes, const AirView* air, double zenith_rad);
 

@@ -80,7 +80,9 @@ void require_room(const HeatScene& scene, const Sides& all) {
                           " GiB; shorten [time], or ask for fewer directions a day (--sun-directions)");
 }
 
-constexpr std::uint32_t kTilts = 1024;  // steps of the vertical component of the normal that buoyancy depends on
+/// Steps of the vertical component of the normal that buoyancy depends on, and of a temperature that is given, in K:
+/// none is above 3000 K.
+constexpr std::uint32_t kTilts = 4096;
 
 /// Facets of a table whose mean temperatures are within 1 K radiate alike: the step of a facet's.
 std::uint32_t temperature_step(const HeatScene& scene, std::uint32_t facet) {

@@ -290,6 +290,10 @@ HeatScene prepare_heat(ThermalScene input, const HeatOptions& options) {
   scene::Rays rays(std::exchange(input.facets, {}));
   std::vector<std::string> warnings = surroundings.warnings;
   for (std::string& text : wind_limits(input, surroundings)) warnings.push_back(std::move(text));
+  for (const heat::Schedule* schedule : input.schedules())
+    if (std::string text = held_beyond(*schedule, input.start_s, input.last_s());
+        !text.empty() && std::ranges::find(warnings, text) == warnings.end())
+      warnings.push_back(std::move(text));
   warnings.insert(warnings.end(), rays.facets().warnings.begin(), rays.facets().warnings.end());
   std::vector<Material> materials = input.materials;
   HeatScene scene{std::move(input),

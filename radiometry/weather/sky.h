@@ -6,9 +6,10 @@
 //   Brunt      sigma T^4 (0.52 + 0.065 sqrt e)    Brunt, Q. J. R. Meteorol. Soc. 58, 389 (1932)
 //   Brutsaert  sigma T^4 1.24 (e / T)^(1/7)       Brutsaert, Water Resour. Res. 11, 742 (1975)
 //   Swinbank   5.31e-13 T^6 (W/m2)                Swinbank, Q. J. R. Meteorol. Soc. 89, 339 (1963)
-// Clouds that cover the fraction n of the sky raise each by the factor 1 + 0.22 n^2.75 (Sugita and Brutsaert, Water
-// Resour. Res. 29, 599 (1993), whose site calibrates it). Such formulas are good to 10 ... 30 W/m2, which is 2 ... 6 K
-// of an insulated surface: a measured value is better where there is one.
+// Clouds that cover the fraction n of the sky raise each by the factor 1 + 0.22 n^2.75 (Maykut and Church, J. Appl.
+// Meteorol. 12, 620 (1973), of Barrow, Alaska; other sites have found less, Sugita and Brutsaert, Water Resour. Res.
+// 29, 599 (1993), 1 + 0.05 n^2.45). Such formulas are good to 10 ... 30 W/m2, which is 2 ... 6 K of an insulated
+// surface: a measured value is better where there is one.
 
 namespace radiometry::heat {
 

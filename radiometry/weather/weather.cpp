@@ -166,8 +166,12 @@ Weather averaged(const Weather& weather, double step_s) {
   check_weather(weather);
   if (!(step_s > 0.0)) throw mtf::UsageError(weather.source + ": error: the interval of a mean has to be above 0 s");
   const auto& t = weather.time_s;
-  // From a stamp to the middle of its interval, of records at equal distances.
-  const double shift = t.size() < 2 ? 0.0 : (t[1] - t[0]) * to_middle(weather.stamp) + weather.later_s;
+  // From a stamp to the middle of its interval, of records at equal distances but for gaps.
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < t.size(); ++i) steps.push_back(t[i] - t[i - 1]);
+  const auto usual = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), usual, steps.end());
+  const double shift = steps.empty() ? 0.0 : *usual * to_middle(weather.stamp) + weather.later_s;
   Weather means{.source = weather.source, .stamp = Stamp::end};
   const auto end_of = [&](std::size_t q, std::size_t i) {
     return (std::floor((t[i] + (weather.is_mean(q) ? shift : 0.0)) / step_s) + 1.0) * step_s;

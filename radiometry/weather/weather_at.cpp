@@ -90,6 +90,15 @@ bool meets(const WeatherSeries& series, const WeatherGap& gap, double begin_s, d
 
 }  // namespace
 
+std::string held_beyond(const Schedule& schedule, double begin_s, double end_s) {
+  const double first = schedule.time_s.empty() ? begin_s : schedule.time_s.front(),
+               last = schedule.time_s.empty() ? end_s : schedule.time_s.back();
+  if (schedule.constant() || (begin_s >= first - kTolerance_s && end_s <= last + kTolerance_s)) return {};
+  return schedule.source + ": beyond its samples the first and the last value are held; they go from " +
+         span_text(first, last) + ", and are asked for " +
+         (begin_s < end_s ? "from " + span_text(begin_s, end_s) : "at " + instant_text(begin_s));
+}
+
 WeatherAt weather_at(const WeatherSeries& series, double utc_s) {
   const Spot spot = spot_of(series, utc_s, Limit::after);
   WeatherAt weather;

@@ -187,9 +187,31 @@ void bridge(Records& records, const SeriesOptions& options, std::vector<std::str
   }
 }
 
+std::string one_digit(double value) { return mtf::format_double(std::round(10.0 * value) / 10.0); }
+
+/// Beams that the sun cannot give in the time they stand for; in place of one what is left of it on a level plane.
+struct LostBeam {
+  std::size_t records = 0;
+  double first_s = 0.0, most_w_m2 = 0.0;
+
+  void add(double begin_s, double mean_w_m2) {
+    constexpr double kTrace_w_m2 = 5.0;
+    if (mean_w_m2 < kTrace_w_m2) return;
+    if (records++ == 0) first_s = begin_s;
+    most_w_m2 = std::max(most_w_m2, mean_w_m2);
+  }
+  /// A sentence; "" where there are none but traces.
+  std::string text() const {
+    if (records == 0) return {};
+    return "direct_normal: " + std::to_string(records) + (records == 1 ? " record has" : " records have") +
+           " more light than the sun can give in that time, the first from " + instant_text(first_s) + " on, up to " +
+           one_digit(most_w_m2) + " W/m2, and what is too much is left out; are the times and the place right?";
+  }
+};
+
 /// The missing one of beam B, diffuse D and global G where two are there: G = B cos z + D.
 void close_solar(Records& records, const Place& place, std::vector<std::string>& warnings) {
-  constexpr double kLeastCosine = 0.01;
+  constexpr double kLeastCosine = 0.01, kRest_w_m2 = 20.0;
   const auto column = [&](WeatherQuantity quantity) -> auto& {
     return records.values[static_cast<std::size_t>(quantity)];
   };
@@ -198,6 +220,7 @@ void close_solar(Records& records, const Place& place, std::vector<std::string>&
   const WeatherQuantity absent = *std::find_if(kSolar.begin(), kSolar.end(), missing);
   const auto &b = column(direct_normal), &d = column(diffuse_horizontal), &g = column(global_horizontal);
   std::vector<double> closed(records.size());
+  LostBeam lost;
   for (std::size_t i = 0; i < records.size(); ++i) {
     const MeanSun sun = mean_sun(records, i, place);
     if (absent == global_horizontal)
@@ -206,14 +229,31 @@ void close_solar(Records& records, const Place& place, std::vector<std::string>&
       closed[i] = std::isnan(g[i] + b[i]) ? kMissing : std::max(g[i] - b[i] * sun.cosine, 0.0);
     else if (std::isnan(g[i] + d[i]))
       closed[i] = kMissing;
-    else
+    else {
       closed[i] =
           sun.cosine < kLeastCosine ? 0.0 : std::clamp((g[i] - d[i]) / sun.cosine, 0.0, sun.extraterrestrial_w_m2);
+      // A station's clock and its horizon leave as much at sunrise.
+      if (const double left = g[i] - d[i] - closed[i] * sun.cosine; left > kRest_w_m2)
+        lost.add(records.begin_s[i], left);
+    }
   }
   column(absent) = std::move(closed);
   warnings.push_back(
       std::string(quantity_name(absent)) +
       " is absent and follows from the other two solar columns: global = direct normal x cos z + diffuse");
+  if (const std::string text = lost.text(); !text.empty()) warnings.push_back(text);
+}
+
+/// Beams at instants at which the sun is down, where nothing gets them. Those of means are seen as they are spread.
+void find_beams_at_night(const Records& r, const Place& place, const SeriesOptions& options,
+                         std::vector<std::string>& warnings) {
+  constexpr double kSet = -0.13;  // as a sine: means that are taken for instants have light half an hour longer
+  LostBeam lost;
+  for (std::size_t i = 0; !r.means && i < r[direct_normal].size(); ++i)
+    if (const double t = r.begin_s[i]; r[direct_normal][i] > 0.0 && t >= options.begin_s && t <= options.end_s &&
+                                       sun_position(t, place).direction[2] < kSet)
+      lost.add(t, r[direct_normal][i]);
+  if (const std::string text = lost.text(); !text.empty()) warnings.push_back(text);
 }
 
 // Whether sunlight that a station writes fits the sun: global G = B cos z + D of beam B and diffuse D with the cosine
@@ -223,8 +263,6 @@ void close_solar(Records& records, const Place& place, std::vector<std::string>&
 constexpr std::array kShifts{0.0, -1.0, -0.5, 0.5, 1.0};  // of an interval; what is assumed first
 constexpr std::size_t kMostRecords = 240;
 constexpr int kParts = 6;  // of an interval
-
-std::string one_digit(double value) { return mtf::format_double(std::round(10.0 * value) / 10.0); }
 
 /// B cos z for the mean of an interval, or at an instant.
 double on_horizontal(double beam, double begin_s, double end_s, const Place& place) {
@@ -289,26 +327,6 @@ std::vector<std::string> disagreements(const Records& r, Stamp stamp, const Plac
             " where the global irradiance is " + one_digit(mean) + " W/m2 in the mean"};
   return {};
 }
-
-/// Beams that the sun cannot give in the time they stand for.
-struct LostBeam {
-  std::size_t records = 0;
-  double first_s = 0.0, most_w_m2 = 0.0;
-
-  void add(double begin_s, double mean_w_m2) {
-    constexpr double kTrace_w_m2 = 5.0;
-    if (mean_w_m2 < kTrace_w_m2) return;
-    if (records++ == 0) first_s = begin_s;
-    most_w_m2 = std::max(most_w_m2, mean_w_m2);
-  }
-  /// A sentence; "" where there are none but traces.
-  std::string text() const {
-    if (records == 0) return {};
-    return "direct_normal: " + std::to_string(records) + (records == 1 ? " record has" : " records have") +
-           " more light than the sun can give in that time, the first from " + instant_text(first_s) + " on, up to " +
-           one_digit(most_w_m2) + " W/m2, and what is too much is left out; are the times and the place right?";
-  }
-};
 
 constexpr std::array kLight{direct_normal, diffuse_horizontal, global_horizontal, solar_up};
 
@@ -491,6 +509,7 @@ WeatherSeries make_series(const Weather& weather, const Place& place, const Seri
     bridge(records, options, series.warnings);
     for (std::string& text : disagreements(records, clean.stamp, place, options))
       series.warnings.push_back(std::move(text));
+    find_beams_at_night(records, place, options, series.warnings);
     close_solar(records, place, series.warnings);
     return records;
   };

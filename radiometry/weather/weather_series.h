@@ -106,6 +106,10 @@ Schedule constant_schedule(double value);
 
 double value_at(const Schedule& schedule, double utc_s);
 
+/// Whether its first or its last value is held somewhere from `begin_s` to `end_s`, in words; "" where it is not, and
+/// of a constant.
+std::string held_beyond(const Schedule& schedule, double begin_s, double end_s);
+
 /// The sample times strictly between the two times.
 std::vector<double> break_times(const Schedule& schedule, double begin_s, double end_s);
 

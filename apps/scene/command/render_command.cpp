@@ -259,6 +259,10 @@ render::RenderedFrame frame_of_layers(const RenderCommandOptions& options, const
     note(global, "warning: " + std::to_string(made.mirrors) +
                      " samples show glossy materials, which mirror sky and ground alone: layers do not say what else "
                      "a mirror shows");
+  if (made.unlit > 0)
+    note(global, "warning: " + one_line(options.from) +
+                     " has no normals, so that no sunlight falls on its surfaces: add the channels normal.X, normal.Y "
+                     "and normal.Z");
   if (made.as_matt > 0)
     note(global, "warning: " + std::to_string(made.as_matt) +
                      " samples show materials that are glossy or have an emissivity by angle; " +
@@ -329,7 +333,7 @@ std::string render_pictures(const RenderCommandOptions& options, const Global& g
     scene = layer_scene_of(options, file, sensors.front());
     frame = frame_of_layers(options, file, scene, bands, cameras.front(), global);
   }
-  for (const PictureSensor& sensor : sensors) add_air_limits(file, sensor.band.curves.band, scene);
+  for (const PictureSensor& sensor : sensors) add_band_limits(file, sensor.band.curves.band, scene);
   for (const PictureSensor& sensor : sensors)
     if (std::string text = sampling_warning(sensor, samples_per_pitch); !text.empty())
       scene.warnings.push_back(std::move(text));

@@ -10,6 +10,7 @@
 #include "mtf/error.h"
 #include "radiometry/light/constants.h"
 #include "radiometry/thermal/ground.h"
+#include "radiometry/weather/clear_sky.h"
 #include "radiometry/weather/instant.h"
 
 namespace apps::scene {
@@ -154,8 +155,7 @@ class GroundModel {
         measured_(measured),
         tolerance_k_(tolerance_k),
         surroundings_(surroundings_of(scene, HeatOptions{}.directions, 1.0)),
-        first_(level_run(surroundings_, scene.time.start_s, material_of(scene.materials[*scene.ground->material]),
-                         tolerance_k)) {}
+        first_(level_run(surroundings_, scene.time.start_s, ground_of(scene), tolerance_k)) {}
 
   const std::vector<std::string>& warnings() const { return surroundings_.warnings; }
 
@@ -167,14 +167,18 @@ class GroundModel {
     const SceneResult trial = parse_scene(scene_text_with(scene_, fits, all), scene_.file);
     if (!trial.ok()) return {};
     try {
-      const Material surface = material_of(trial.scene.materials[*scene_.ground->material]);
-      return at_measured(level_run(surroundings_, scene_.time.start_s, surface, tolerance_k_, &first_.plan).kelvin);
+      return at_measured(
+          level_run(surroundings_, scene_.time.start_s, ground_of(trial.scene), tolerance_k_, &first_.plan).kelvin);
     } catch (const mtf::Error&) {  // values that have no solution: the step is not allowed
       return {};
     }
   }
 
  private:
+  static Material ground_of(const SceneFile& scene) {
+    return material_of(scene.materials[*scene.ground->material],
+                       radiometry::heat::standard_pressure_pa(scene.place.altitude_m));
+  }
   std::vector<double> at_measured(const std::vector<double>& of_node) const {
     const std::vector<double>& t = surroundings_.time_s;
     std::vector<double> all;

@@ -220,7 +220,7 @@ std::unique_ptr<Light> Flight::State::made(const LightKey& key, const PictureSen
   double utc_s = std::clamp(middle, options.begin_s, std::max(options.begin_s, options.end_s));
   if (const auto span = source.temperatures_span_utc_s()) utc_s = std::clamp(utc_s, (*span)[0], (*span)[1]);
   auto out = std::make_unique<Light>(Light{key, source.at(utc_s, with), utc_s});
-  add_air_limits(file, sensor.band.curves.band, out->scene);
+  add_band_limits(file, sensor.band.curves.band, out->scene);
   const render::RenderScene& scene = out->scene.scene;
   out->renderer = views ? std::make_unique<render::Renderer>(scene, std::vector{sensor.band}, *views)
                         : std::make_unique<render::Renderer>(scene, std::vector{sensor.band}, options.render);

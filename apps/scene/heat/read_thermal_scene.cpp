@@ -174,7 +174,7 @@ std::vector<std::string> air_limits(const SceneFile& file, const Surroundings& s
 
 }  // namespace
 
-Material material_of(const MaterialSection& material) {
+Material material_of(const MaterialSection& material, double air_pressure_pa) {
   Material made;
   made.name = material.name;
   for (const LayerSection& layer : material.layers) {
@@ -187,6 +187,7 @@ Material material_of(const MaterialSection& material) {
   made.back_solar_absorptance = material.inside.back_solar_absorptance.value_or(material.solar_absorptance);
   set_inside(material, made);
   made.construction.wet_fraction = material.wet_fraction;
+  made.construction.air_pressure_pa = air_pressure_pa;
   if (auto* sheet = std::get_if<heat::Sheet>(&made.construction.inside)) sheet->wet_fraction = material.wet_fraction;
   set_sources(material, made);
   require_valid(made);
@@ -204,10 +205,8 @@ ThermalScene values_of(const SceneFile& file) {
                      .step_s = file.time.step_s,
                      .place = file.place,
                      .north_rad = file.north_rad};
-  for (const MaterialSection& material : file.materials) {
-    scene.materials.push_back(material_of(material));
-    scene.materials.back().construction.air_pressure_pa = heat::standard_pressure_pa(file.place.altitude_m);
-  }
+  for (const MaterialSection& material : file.materials)
+    scene.materials.push_back(material_of(material, heat::standard_pressure_pa(file.place.altitude_m)));
   const auto given = [](const auto& section) {
     return section.temperature ? section.temperature->schedule : heat::Schedule{};
   };

@@ -11,8 +11,8 @@ namespace apps::scene {
 
 using namespace radiometry::thermal;  // scenes as values, their heat balance, its report
 
-/// The material of the file, in air of 1013.25 hPa. Throws as require_valid of a material.
-Material material_of(const MaterialSection& material);
+/// The material of the file, in air of that pressure. Throws as require_valid of a material.
+Material material_of(const MaterialSection& material, double air_pressure_pa);
 
 /// All that stands in the file: place, times, materials, regions, ground and camera. Throws UsageError as material_of,
 /// and for a ground with a table of facets.

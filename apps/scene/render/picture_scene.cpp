@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include "apps/scene/heat/read_temperatures.h"
 #include "apps/text/message_words.h"
@@ -11,6 +12,7 @@
 #include "mtf/work/stopwatch.h"
 #include "radiometry/atmosphere/sky_radiance.h"
 #include "radiometry/atmosphere/spectral_path.h"
+#include "radiometry/render/light_sources.h"
 #include "radiometry/thermal/ground.h"
 #include "radiometry/weather/instant.h"
 
@@ -136,6 +138,12 @@ void require_all(const ThermalScene& surfaces, const std::string& source, const 
     throw mtf::UsageError(one_line(source) + ": has no temperature for facets of the regions " + missing);
 }
 
+/// Where the picture's time is beyond the samples of a temperature.
+void warn_of_held(const heat::Schedule& schedule, PictureScene& out) {
+  if (std::string text = held_beyond(schedule, out.utc_s, out.utc_s); !text.empty())
+    out.warnings.push_back(std::move(text));
+}
+
 /// With the ground, and the altitude.
 void surround(const SceneFile& file, const ThermalScene& surfaces, const PictureOptions& options,
               std::optional<heat::Schedule>& ground, PictureScene& out) {
@@ -144,6 +152,7 @@ void surround(const SceneFile& file, const ThermalScene& surfaces, const Picture
   out.closures.emplace_back("ground", "level, " + fixed(out.scene.ground.temperature_k, 2) + " K, " +
                                           one_line(out.scene.finish[out.scene.ground.finish].name));
   out.scene.altitude_m = file.place.altitude_m;
+  if (file.ground && file.ground->temperature) warn_of_held(file.ground->temperature->schedule, out);
 }
 
 }  // namespace
@@ -158,8 +167,20 @@ double add_surroundings(const SceneFile& file, const PictureOptions& options, Pi
   set_sky(file, sky_longwave(file.sky, weather, clear ? &*clear : nullptr), air_k, picture);
 
   const heat::SunPosition sun = sun_position(picture.utc_s, file.place);
-  const double direct = std::max(weather[WeatherQuantity::direct_normal], 0.0);
+  double direct = std::max(weather[WeatherQuantity::direct_normal], 0.0);
   const bool shines = sun.direction[2] > 0.0 && direct > 0.0, layered = has_layers(picture.scene.air);
+  if (shines && layered) {
+    constexpr double kMost = 1.5;  // models of clear air are within a third of measured beams
+    const radiometry::atmosphere::Air<double>& air = *picture.scene.air;
+    const double from_m = std::max(file.place.altitude_m, air.profile.levels.front().altitude_m);
+    const double passed = extraterrestrial_normal_w_m2(sun) * render::sunlight_passed(air, from_m, sun.zenith_rad);
+    if (direct > kMost * passed)
+      picture.warnings.push_back(
+          "the sun: direct_normal of the weather is more than half as much again as the air of [atmosphere] lets "
+          "through, and no more than that is taken; it is " +
+          words(direct, 0, "W/m2, and through the air come ") + words(passed, 1, "W/m2: make one fit the other"));
+    direct = std::min(direct, kMost * passed);
+  }
   if (shines) picture.scene.sun = render::Sun{heat::in_scene_axes(sun.direction, file.north_rad), direct};
   picture.closures.emplace_back("sun", shines ? "Planck at 5772 K, scaled to " + words(direct, 0, "W/m2") +
                                                     (layered ? ", through the air above" : "")
@@ -267,6 +288,8 @@ PictureScene PictureSource::at(std::optional<double> utc_s, const PictureOptions
                                           [](float a, float b) { return a < b || (std::isnan(b) && !std::isnan(a)); })),
                     3) +
         " K: are the temperatures in degrees Celsius? Tables are in kelvin");
+  for (const Region& region : surfaces_.regions)
+    if (of_regions_) warn_of_held(region.temperature, out);
   out.timing_ms[1].second += reading.ms();
   const mtf::Stopwatch weather;
   {
@@ -329,12 +352,23 @@ PictureScene read_picture_scene(const SceneFile& file, const PictureOptions& opt
   return PictureSource(file, options).at();
 }
 
-void add_air_limits(const SceneFile& file, const radiometry::Interval& band, PictureScene& picture) {
-  if (!file.atmosphere || !picture.scene.air) return;  // that of a sensor file is said where it is read
-  for (const std::string& limit : radiometry::atmosphere::limits_of(*picture.scene.air, band))
-    if (const std::string text = "[atmosphere]: " + limit;
-        std::ranges::find(picture.warnings, text) == picture.warnings.end())
-      picture.warnings.push_back(text);
+void add_band_limits(const SceneFile& file, const radiometry::Interval& band, PictureScene& picture) {
+  const auto add = [&](const std::string& text) {
+    if (std::ranges::find(picture.warnings, text) == picture.warnings.end()) picture.warnings.push_back(text);
+  };
+  if (file.atmosphere && picture.scene.air)  // that of a sensor file is said where it is read
+    for (const std::string& limit : radiometry::atmosphere::limits_of(*picture.scene.air, band))
+      add("[atmosphere]: " + limit);
+  constexpr double kSame = 1e-9;  // relative: wavelengths in other units are rounded
+  std::set<std::uint32_t> used(picture.scene.finish_of.begin(), picture.scene.finish_of.end());
+  used.insert(picture.scene.ground.finish);
+  for (const std::uint32_t finish : used) {
+    const radiometry::Spectrum& curve = picture.scene.finish[finish].emissivity;
+    const radiometry::Interval own = range_of(curve);
+    if (curve.value.size() > 1 && (own.lo_um > band.lo_um * (1.0 + kSame) || own.hi_um < band.hi_um * (1.0 - kSame)))
+      add(one_line(curve.source) + ": the emissivity ends inside the band, and its last value is held; it covers " +
+          describe(own) + ", the band is " + describe(band));
+  }
 }
 
 void require_above_ground(const PictureScene& picture, const radiometry::scene::Point& camera) {

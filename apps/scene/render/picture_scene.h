@@ -101,8 +101,9 @@ PictureScene read_picture_scene(const SceneFile& file, const PictureOptions& opt
 /// them. Temperatures are of no account.
 PictureScene read_layer_scene(const SceneFile& file, const PictureOptions& options);
 
-/// Adds to the warnings what the model of the air of the scene file is not good for in a band, as the weather has it.
-void add_air_limits(const SceneFile& file, const radiometry::Interval& band, PictureScene& picture);
+/// Adds to the warnings what the model of the air of the scene file is not good for in a band, as the weather has it,
+/// and tables of emissivity that end inside the band.
+void add_band_limits(const SceneFile& file, const radiometry::Interval& band, PictureScene& picture);
 
 /// Throws UsageError where the camera is below the ground: it looks at the back of an open surface above it, and
 /// nothing is below.

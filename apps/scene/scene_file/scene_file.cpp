@@ -111,6 +111,10 @@ void read_constant_weather(SceneReader& s, const Section& section) {
   weather.time_s = {s.scene.time.start_s};
   for (std::size_t q = 0; q < kConstants.size(); ++q)
     if (const auto value = read_si(section, kConstants[q])) weather.values[q] = {*value};
+  if (weather.has(global_horizontal) && weather.has(direct_normal) != weather.has(diffuse_horizontal))
+    section.error(quantity_name(global_horizontal),
+                  "of constant weather nothing follows from it, as the sun moves; give direct_normal and "
+                  "diffuse_horizontal");
   const auto humidity = read_si(section, kHumidity);
   if (!humidity) return;
   if (weather.has(vapour_pressure))

@@ -392,6 +392,17 @@ double planck_mean(const Spectrum& emissivity, double temperature_k) {
   return sum * std::numbers::pi / (radiometry::kStefanBoltzmann_w_m2_k4 * std::pow(temperature_k, 4));
 }
 
+namespace {
+
+/// Of a blackbody's radiance, what lies beyond the ends of a curve.
+double share_beyond(const Spectrum& curve, double temperature_k) {
+  const auto [lo_um, hi_um] = radiometry::range_of(curve);
+  const double whole = radiometry::kStefanBoltzmann_w_m2_k4 * std::pow(temperature_k, 4) / std::numbers::pi;
+  return 1.0 - radiometry::band_radiance(radiometry::Flux::watts, lo_um, hi_um, temperature_k) / whole;
+}
+
+}  // namespace
+
 void read_value(SceneReader& s, const Section& section, const FieldInfo& row, std::optional<Emissivity>& value) {
   const cfg::Node* node = section.find(row.name);
   if (node == nullptr) return;
@@ -407,7 +418,14 @@ void read_value(SceneReader& s, const Section& section, const FieldInfo& row, st
   if (path.empty()) return;
   try {
     Spectrum spectrum = read_table(path);
-    const double mean = planck_mean(spectrum, kMeanTemperature_k);
+    const double mean = planck_mean(spectrum, kMeanTemperature_k), beyond = share_beyond(spectrum, kMeanTemperature_k);
+    constexpr double kMostBeyond = 0.5;  // 0.48 of tables from 3 to 14 um, as of both windows of the air
+    if (beyond > kMostBeyond)
+      section.reader.note(node->position, section.at(row.name),
+                          "the heat balance holds the first and the last emissivity beyond the table, where " +
+                              significant(100.0 * beyond, 3) +
+                              " % of what a surface of 300 K radiates lies; it covers " + describe(range_of(spectrum)),
+                          false);
     value = {.value = std::min(mean, 1.0), .spectrum = std::move(spectrum), .along_normal = mean};
   } catch (const mtf::Error& error) {
     fail(error.what());

@@ -207,6 +207,7 @@ LayerFrame render_layers(const RenderScene& scene, std::span<const RenderBand> b
   frame.surfaces = survey.surfaces, frame.ground_m = survey.extent.lowest_m;
   const bool normals = !layers.normal.empty();
   (normals ? frame.mirrors : frame.as_matt) = normals ? survey.glossy : survey.angled;
+  if (!normals && scene.sun) frame.unlit = survey.surfaces;
   for (const RenderBand& band : bands) {
     const LayerShader shader(scene, band, camera, layers, survey, options);
     mtf::Image image(camera.width, camera.height);

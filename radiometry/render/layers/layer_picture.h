@@ -32,6 +32,7 @@ struct LayerFrame {
   std::size_t surfaces = 0;  ///< pixels that show one
   std::size_t mirrors = 0;   ///< of glossy finishes, which mirror sky or ground even where something else stood there
   std::size_t as_matt = 0;   ///< of glossy finishes and emissivities by angle that are drawn matt for want of normals
+  std::size_t unlit = 0;     ///< that no sunlight falls on for want of normals, where there is a sun
   double ground_m = 0.0;     ///< height of what is seen below the horizon beyond them: of the lowest of them
 };
 

@@ -66,6 +66,43 @@ TEST_F(HeatLimits, AirOfTheSkyBeyondWhatWasFitted) {
             "");
 }
 
+TEST_F(HeatLimits, SchedulesThatEndWithinTheRun) {
+  const auto said = [&](const std::string& rows) {
+    std::ofstream(folder_ / "engine.csv") << "time,bay (degC)\n" << rows;
+    return with(warnings(weather(290, 2, 0, 0, 330),
+                         painted("\"mcadams\"",
+                                 "inside = { kind = \"film\", h = \"10 W/m2/K\", temperature = \"engine.csv\" }\n")),
+                "engine.csv");
+  };
+  expect_says(
+      said("2016-03-20T06:00:00Z,20\n2016-03-20T07:00:00Z,80\n"),
+      {"beyond its samples the first and the last value are held", "from 2016-03-20T06:00:00Z to 2016-03-20T07:00:00Z",
+       "from 2016-03-20T00:00:00Z to 2016-03-21T00:00:00Z"});
+  EXPECT_EQ(said("2016-03-20T00:00:00Z,20\n2016-03-21T00:00:00Z,80\n"), "");
+  EXPECT_EQ(said("2016-03-20T06:00:00Z,20\n"), "");  // a constant
+}
+
+// Pairs of squares of 1 m, 0.5 m apart and far from the other pair: what is given faces down on what is solved, whose
+// view of it is that of parallel squares (Howell, A Catalog of Radiation Heat Transfer Configuration Factors, C-11).
+// Facets of a table radiate as they are, above 1023 K too. 3 K: sampled views of 1e-3 at 230 kW/m2 and 260 W/m2/K.
+TEST_F(HeatLimits, HotFacetsOfATableRadiateEachByItself) {
+  constexpr double kView = 0.4152532835771469;
+  std::string obj = plate(0.0, 1, "solved"), given = "g given\n";
+  for (int i = 1; i < 4; ++i)
+    for (const auto& [x, y] : {std::pair{0, 0}, std::pair{1, 0}, std::pair{1, 1}, std::pair{0, 1}})
+      obj += "v " + std::to_string(400 * (i % 2) + x) + " " + std::to_string(y) + (i == 1 ? " 0\n" : " 0.5\n");
+  obj += "f 5 6 7 8\n" + given + "f 9 12 11 10\nf 13 16 15 14\n";
+  std::ofstream(folder_ / "hot.csv") << "facet,temperature_K\n2,1500\n3,1100\n";
+  const Outcome out = run(kDay + weather(288.15, 2, 0, 0, 300) + kSky +
+                              material("paint", 0.0, 0.8, "{ h0 = \"200 W/m2/K\", h1 = \"0 J/m3/K\" }") + kMesh +
+                              region("solved", "material = \"paint\"") + region("given", "temperature = \"hot.csv\""),
+                          obj);
+  for (const auto& [facet, kelvin] : {std::pair{0, 1500.0}, std::pair{1, 1100.0}})
+    EXPECT_NEAR(out.front.back()[static_cast<std::size_t>(facet)],
+                equilibrium(0.8 * (kView * kSigma * std::pow(kelvin, 4) + (1.0 - kView) * 300.0), 0.8, 200.0, 288.15),
+                3.0);
+}
+
 TEST_F(HeatLimits, RefusesWhatHasNoMeaning) {
   const auto refusal = [&](const std::string& weather_text, const std::string& rest) {
     return message_of([&] { prepare(kDay + weather_text + kSky + rest, plate(0.0)); });

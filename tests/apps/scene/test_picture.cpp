@@ -293,6 +293,54 @@ TEST_F(Picture, HasTheTemperaturesOfItsTime) {
   }
 }
 
+class PictureWarnings : public Picture {
+ protected:
+  /// Of the scene at noon with a change, in the band from 8 to 12 um.
+  PictureScene scene(const std::string& from, const std::string& to, const std::string& more = "") const {
+    write("scene.toml", replaced(kScene, from, to) + more);
+    const SceneFile file = load_scene(path("scene.toml"));
+    PictureScene made = read_picture_scene(file, {.utc_s = file.time.start_s + 43200.0});
+    add_band_limits(file, {8.0, 12.0}, made);
+    return made;
+  }
+  static std::string all(const PictureScene& of) {
+    std::string text;
+    for (const std::string& one : of.warnings) text += one;
+    return text;
+  }
+};
+
+TEST_F(PictureWarnings, ValuesThatAreHeld) {
+  const std::string given = "temperature = \"300 K\"";
+  write("day.csv", "time,left (K)\n2025-06-21T06:00:00Z,300\n2025-06-21T07:00:00Z,310\n");
+  expect_says(all(scene(given, "temperature = \"day.csv\"")), {"day.csv: beyond its samples", "2026-06-21T12:00:00Z"});
+  const std::string paint =
+      "[[material]]\nname = \"paint\"\nsolar_absorptance = 0.5\nemissivity = \"paint.csv\"\n"
+      "layers = [{ conductivity = \"1 W/m/K\", density = \"1 g/cm3\", heat_capacity = \"1 kJ/kg/K\", thickness = "
+      "\"1 mm\" }]\n";
+  write("paint.csv", "wavelength_um,emissivity\n3,0.1\n5,0.2\n");
+  expect_says(all(scene(given, given + "\nmaterial = \"paint\"", paint)),
+              {"paint.csv: the emissivity ends inside the band", "3 um to 5 um, the band is 8 um to 12 um"});
+  write("paint.csv", "wavelength_um,emissivity\n8,0.1\n12,0.2\n");
+  EXPECT_EQ(all(scene(given, given + "\nmaterial = \"paint\"", paint)), "");
+}
+
+// A beam of 800 W/m2 and fog that lets one see 200 m: at the zenith angle of 17 deg and 1 km of fog its optical depth
+// is 19 in the visible, so that at most what the sun has beyond 3 um comes through, 2 % of 1361 W/m2. In haze of 23 km
+// such a beam is what it is.
+TEST_F(PictureWarnings, SunThatTheAirDoesNotLetThrough) {
+  const auto with = [&](const std::string& haze) {
+    return scene("direct_normal = \"0 W/m2\"", "direct_normal = \"800 W/m2\"\nvapour_pressure = \"10 hPa\"",
+                 "[atmosphere]\nmodel = \"mid_latitude_summer\"\n" + haze);
+  };
+  const PictureScene fog = with("haze = \"radiation_fog\"\nvisibility = \"200 m\"\n");
+  expect_says(all(fog), {"the sun: direct_normal", "lets through", "it is 800 W/m2"});
+  EXPECT_LT(fog.scene.sun->direct_w_m2, 27.0);
+  const PictureScene clear = with("haze = \"rural\"\n");
+  EXPECT_FALSE(says(all(clear), "the sun"));
+  EXPECT_EQ(clear.scene.sun->direct_w_m2, 800.0);
+}
+
 TEST_F(Picture, RowsOfAnotherSceneAreRefused) {
   const SceneFile file = load_scene(path("scene.toml"));
   TemperatureRows rows{.source = "three", .facets = 3, .front_k = {300.0F, 300.0F, 300.0F}};

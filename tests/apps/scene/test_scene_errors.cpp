@@ -32,6 +32,20 @@ TEST(SceneErrors, OfTheAirWhateverTheSkyIs) {
   expect_says(with_air("haze = \"rural\"\n"), {"nothing of the air"});
 }
 
+// Of a blackbody at 300 K 1.28 % lies from 3 to 5 um (0.01285 - 0.00009, Howell's table of the fraction below lambda T
+// at 1500 and 900 um K), and 52 % from 3 to 14 um.
+TEST(SceneErrors, EmissivitiesThatEndWhereTheSurfaceRadiatesAreSaid) {
+  const SceneFolder folder;
+  folder.write("short.csv", "wavelength_um,emissivity\n3,0.1\n5,0.2\n");
+  const auto said = [&](const std::string& table) {
+    std::string all;
+    for (const auto& found : folder.parse(replaced(scene_text(), "paint.csv", table)).diagnostics) all += found.text;
+    return all;
+  };
+  expect_says(said("short.csv"), {"beyond the table", "98.7 %", "3 um to 5 um"});
+  EXPECT_FALSE(says(said("paint.csv"), "beyond the table"));
+}
+
 struct Fault {
   const char* from;
   const char* to;
@@ -68,6 +82,9 @@ TEST(SceneErrors, EachHasItsPlaceAndItsRemedy) {
            Fault{"file = \"weather.csv\"", "air_temperature = \"95 degC\"", {"368.15 K, is outside"}},
            Fault{"file = \"weather.csv\"", "direct_normal = \"1600 W/m2\"", {"1600 W/m2 is outside [0, 1500] W/m2"}},
            Fault{"file = \"weather.csv\"", "relative_humidity = 0.5", {"needs air_temperature"}},
+           Fault{"file = \"weather.csv\"",
+                 "global_horizontal = \"600 W/m2\"\ndirect_normal = \"500 W/m2\"",
+                 {"weather.global_horizontal", "the sun moves", "give direct_normal and diffuse_horizontal"}},
            Fault{"\"instant\"",
                  "\"instnat\"",
                  {"scene.toml:13:9", "weather.stamp", "unknown word \"instnat\"", "\"instant\""}},

@@ -349,6 +349,14 @@ TEST(AtmosphereLimits, LinesAndFogBeyondTheirKindAreSaid) {
   EXPECT_TRUE(of_line(0.0, 50e3).empty());
   EXPECT_TRUE(of_line(10e3, 500e3).empty());
   EXPECT_FALSE(of_line(10e3, 1000e3).empty());
+  // At 1 km haze takes what it does at the sea, at 2 km and more hardly anything: kept as the models have it, and said.
+  const Air<double> hazy{.profile = air.profile, .haze = {.kind = HazeKind::rural, .visibility_m = 5e3}};
+  for (const double altitude_m : {0.0, 1000.0, 2317.0}) {
+    const auto said = limits_of(hazy, {8.0, 12.0}, Horizontal<double>{altitude_m, 5e3});
+    EXPECT_EQ(says(said, "haze thins above 1 km; at 2317 m"), altitude_m > 2000.0) << altitude_m;
+    EXPECT_EQ(said.empty(), altitude_m < 2000.0) << altitude_m;
+  }
+  EXPECT_TRUE(limits_of(hazy, {8.0, 12.0}, Between<double>{10e3, 0.0, 20e3}).empty());
   const auto of_fog = [&](double visibility_m) {
     return limits_of({.profile = air.profile, .haze = {.kind = HazeKind::radiation_fog, .visibility_m = visibility_m}},
                      {8.0, 12.0});

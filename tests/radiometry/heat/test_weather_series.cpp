@@ -220,6 +220,9 @@ TEST(Weather, MeansOverLongerIntervals) {
   EXPECT_EQ(means.time_s, (std::vector<double>{kBegin + 180.0, kBegin + 360.0}));
   EXPECT_EQ(means[air_temperature], (std::vector<double>{282.0, 288.0}));
   EXPECT_EQ(means[wind_speed], (std::vector<double>{2.0, 5.0}));
+  Weather gap = weather;  // an hour without records after the first one
+  gap.time_s.front() -= 3600.0;
+  EXPECT_EQ(averaged(gap, 180.0)[wind_speed], (std::vector<double>{1.0, 2.5, 5.0}));
   weather.stamp = Stamp::begin;  // the same minutes, a minute later
   EXPECT_EQ(averaged(weather, 180.0)[wind_speed], (std::vector<double>{1.5, 4.0, 6.0}));
   weather[air_temperature] = std::vector<double>(6, kMissing);

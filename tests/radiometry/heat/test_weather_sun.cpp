@@ -150,6 +150,20 @@ TEST(WeatherSun, StampsThatTheSunContradictsAreSaid) {
   expect_says(warnings[0], {"global_horizontal contradicts"});
 }
 
+// A clear day whose stamps are seven hours off, as local time that is taken for UTC: instants with two solar columns,
+// of which some fall into the night.
+TEST(WeatherSun, LightOfInstantsAtNightIsSaid) {
+  for (const WeatherQuantity absent : {direct_normal, diffuse_horizontal, global_horizontal})
+    for (const double off_s : {0.0, -7.0 * 3600.0}) {
+      Weather weather = demo_weather(kAlamosa, kBegin, kBegin + kDay_s, 1200.0);
+      weather[absent].clear();
+      for (double& t : weather.time_s) t += off_s;
+      std::string all;
+      for (const std::string& text : make_series(weather, kAlamosa).warnings) all += text;
+      EXPECT_EQ(says(all, "more light than the sun can give"), off_s != 0.0) << quantity_name(absent) << ": " << all;
+    }
+}
+
 TEST(WeatherSun, TheThirdSolarColumnFollowsFromTheTrueSun) {
   const Weather full = demo_weather(kAlamosa, kBegin, kBegin + kDay_s, 1200.0);
   for (const WeatherQuantity absent : {direct_normal, diffuse_horizontal, global_horizontal}) {

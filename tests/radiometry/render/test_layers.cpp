@@ -77,7 +77,7 @@ TEST(Layers, GiveTheRadianceOfTheFacetsThatTheyAreOf) {
       const Made made = made_with(with_air, sun);
       const LayerFrame frame = render_layers(made.scene.scene, std::vector{mwir(), lwir()}, made.camera, made.layers);
       EXPECT_GT(frame.surfaces, 1500u);
-      EXPECT_EQ(frame.mirrors + frame.as_matt, 0u);
+      EXPECT_EQ(frame.mirrors + frame.as_matt + frame.unlit, 0u);
       expect_the_facets(made, frame, std::to_string(with_air) + std::to_string(sun));
     }
 }
@@ -130,6 +130,7 @@ TEST(Layers, AreMattAndMeansWithoutNormals) {
     const std::vector bands{mwir(), lwir()};
     const LayerFrame frame = render_layers(made.scene.scene, bands, made.camera, made.layers);
     EXPECT_EQ(frame.as_matt, frame.surfaces);
+    EXPECT_EQ(frame.unlit, frame.surfaces);
     EXPECT_EQ(frame.mirrors, 0u);
     Finish& matt = made.scene.scene.finish[0];
     for (double& value : matt.emissivity.value) value *= hemispherical_mean(finish.by_angle);

@@ -271,6 +271,22 @@ TEST(Renderer, TransmittanceOfTheGroundIsThatOfItsRange) {
   }
 }
 
+/// Beside a plate that is seen straight down from 300 km, and from farther, is the ground: at the height over the
+/// cosine and, without air, a blackbody.
+TEST(Renderer, TheGroundIsSeenFromSpace) {
+  scene::Mesh mesh = empty_mesh();
+  add_plate(mesh, {-500, -500, 0}, {1000, 0, 0}, {0, 1000, 0});
+  SmallScene made = small_scene(mesh, 300.0, grey(1.0), 285.0);
+  Renderer renderer(made.scene, {lwir()}, {.points = 1, .layers = {.range = true}});
+  for (const double height_m : {3e5, 9e5}) {
+    const Camera from = camera({.position = {0, 0, height_m}, .look_at = {0, 1, 0}}, 33, 33, 1e-3);
+    const RenderedFrame frame = renderer.render(from);
+    const Vector d = from.direction(0.5, 0.5);
+    EXPECT_NEAR(frame.layers[0].plane.at(0, 0), height_m * scene::length(d) / -d[2], 1e-6 * height_m);
+    EXPECT_NEAR(frame.radiance[0].at(0, 0), blackbody(lwir(), 285.0), 1e-6 * blackbody(lwir(), 285.0));
+  }
+}
+
 TEST(Renderer, RefusesCamerasThatSeeNothingOrStandInASolid) {
   scene::Mesh mesh = empty_mesh();
   add_box(mesh, {-1, -1, 0}, {2, 2, 2});
