@@ -282,8 +282,8 @@ void require_one_channel(const mtf::io::Scene& scene, const std::string& file) {
                         "); choose one with --channel");
 }
 
-/// Channels of a spectrum become their sum, weighted.
-void merge_spectrum(mtf::io::Scene& scene, const Converter& convert, int threads) {
+/// Channels of a spectrum become their sum, weighted. Returns what of the band they leave open, in words, or "".
+std::string merge_spectrum(mtf::io::Scene& scene, const Converter& convert, int threads) {
   const radiometry::ChannelWeights weights = channel_weights(convert.band(), scene.wavelength_um);
   std::vector<mtf::ImageView<const float>> channels;
   for (const mtf::Image& plane : scene.planes) channels.push_back(plane.view());
@@ -291,18 +291,23 @@ void merge_spectrum(mtf::io::Scene& scene, const Converter& convert, int threads
                                    {.negative = convert.scene().negative, .threads = threads});
   scene.planes.resize(1);
   scene.names = {"spectrum"};
+  const radiometry::Interval all = radiometry::BandResponse(convert.band().band, convert.band().curves).range();
+  if (weights.used.lo_um <= all.lo_um * (1.0 + 1e-9) && weights.used.hi_um >= all.hi_um * (1.0 - 1e-9)) return "";
+  return "the channels of the spectrum hold light of " + describe(weights.used) + ", and all other light of " +
+         describe(all) + ", which the sensor would see, counts as 0; give channels up to these ends, or narrow [band]";
 }
 
 constexpr double kSeen = 1e-4;  // of an MTF: below that nobody sees the difference
 
 using Values = std::vector<mtf::Complex<double>>;
 
-/// Along both axes, at half of the Nyquist frequency and at it.
+/// Along both axes, at the Nyquist frequency and its half, quarter and eighth.
 Values otf_values(mtf::System<double> system, std::shared_ptr<const mtf::ElectronRate> rate) {
-  system.band->rate = std::move(rate);
+  if (system.band) system.band->rate = std::move(rate);
   Values all;
   for (const double angle_deg : {0.0, 90.0}) {
-    const Values along = otf_curves(system, {0.25, 0.5}, make_direction(system.frame, "cy/px", angle_deg)).system.otf;
+    const Values along =
+        otf_curves(system, {0.0625, 0.125, 0.25, 0.5}, make_direction(system.frame, "cy/px", angle_deg)).system.otf;
     all.insert(all.end(), along.begin(), along.end());
   }
   return all;
@@ -327,7 +332,7 @@ SceneLight to_light(const mtf::io::SensorConfig& config, const LoadedSensor& loa
   const mtf::Image range_m = channel_of(source, convert.scene().depth_channel.name, "depth_channel");
   const bool spectrum = !scene.wavelength_um.empty();
   if (!spectrum) require_one_channel(scene, source.file);
-  if (spectrum) merge_spectrum(scene, convert, threads);
+  const std::string open = spectrum ? merge_spectrum(scene, convert, threads) : "";
   mtf::Image& plane = scene.planes.front();
   const std::string clipped =
       scene.quantity == Quantity::counts
@@ -345,7 +350,8 @@ SceneLight to_light(const mtf::io::SensorConfig& config, const LoadedSensor& loa
   } else {
     convert.add_path(plane);
   }
-  if (!clipped.empty()) light.warnings.push_back(source.file + ": " + clipped);
+  for (const std::string& text : {open, clipped})
+    if (!text.empty()) light.warnings.push_back(source.file + ": " + text);
   if (!convert.note().empty()) light.warnings.push_back(source.file + ": " + convert.note());
   if (config.scene.border != mtf::Border::constant) return light;
   if (ranged)
@@ -385,6 +391,24 @@ LightOfWindows light_of_windows(const mtf::io::SensorConfig& config, const Loade
   LightOfWindows light{convert.of_windows(values.min, values.max), 0.0};
   if (config.scene.border == mtf::Border::constant) light.border_value = convert.border(config.scene.border_value);
   return light;
+}
+
+std::string spectrum_warning(const mtf::System<double>& system, const std::vector<double>& wavelength_um, bool merged) {
+  if (wavelength_um.empty()) return "";
+  std::array ends{wavelength_um.front(), wavelength_um.back()};
+  const Values used = otf_values(system, system.band ? system.band->rate : nullptr);
+  double most = 0.0;
+  for (double& end_um : ends) {
+    if (merged) end_um = std::clamp(end_um, system.band->lo_um, system.band->hi_um);
+    mtf::System<double> alone = system;
+    alone.band = mtf::Band{end_um * (1.0 - 1e-6), end_um * (1.0 + 1e-6)};
+    most = std::max(most, largest_difference(otf_values(std::move(alone), nullptr), used));
+  }
+  if (most <= kSeen) return "";
+  return "all channels of the spectrum are filtered by one OTF, that of " +
+         std::string(system.band ? "[band]" : "optics.wavelength") + "; at " + significant(ends[0], 6) + " um and " +
+         significant(ends[1], 6) + " um alone the MTF differs from it by up to " + significant(most, 2) +
+         ", which is not in the promised error";
 }
 
 RangeWeights range_weights(const mtf::System<double>& system, const LoadedSensor& loaded, const PixelRanges& ranges) {

@@ -76,18 +76,23 @@ Metadata provenance(const SensorConfig& config, const Scene& scene, const mtf::S
   m.text["mtf:version"] = std::string(mtf::version) + " " + mtf::git_commit;
   m.text["mtf:tolerance"] = mtf::format_double(tolerance);
   m.text["mtf:predictedError"] = mtf::format_double(plan.predicted_error);
-  m.pairs["mtf:pixelPitch"] = {frame.pitch_x_um / 1e6, frame.pitch_y_um / 1e6};
-  m.pairs["mtf:ifov"] = {frame.pitch_x_um * 1e-3 / frame.focal_length_mm,
-                         frame.pitch_y_um * 1e-3 / frame.focal_length_mm};
+  // With [microscan] an image has several samples a pitch.
+  const double step_x_um = frame.pitch_x_um / plan.samples_a_pitch, step_y_um = frame.pitch_y_um / plan.samples_a_pitch;
+  m.pairs["mtf:pixelPitch"] = {step_x_um / 1e6, step_y_um / 1e6};
+  m.pairs["mtf:ifov"] = {step_x_um * 1e-3 / frame.focal_length_mm, step_y_um * 1e-3 / frame.focal_length_mm};
   if (config.system.band)
     m.lists["mtf:bandEdges"] = {static_cast<float>(config.system.band->lo_um),
                                 static_cast<float>(config.system.band->hi_um)};
   m.lists["mtf:wavelength"].assign(scene.wavelength_um.begin(), scene.wavelength_um.end());
   if (scene.wavelength_um.empty()) m.lists.erase("mtf:wavelength");
   const auto [x, y, width, height] = region.value_or(std::array<std::int64_t, 4>{});
-  const bool has_ground = keep_ground(
-      scene.info.attributes, {frame.pitch_x_um / scene.grid.step_x_um, frame.pitch_y_um / scene.grid.step_y_um},
-      {static_cast<double>(x), static_cast<double>(y)}, m.text);
+  if (region)
+    m.text["mtf:region"] = mtf::joined(
+                               std::array{x, y, width, height}, [](auto n) { return std::to_string(n); }, " ") +
+                           " pixels of the whole image";
+  const bool has_ground =
+      keep_ground(scene.info.attributes, {step_x_um / scene.grid.step_x_um, step_y_um / scene.grid.step_y_um},
+                  {static_cast<double>(x), static_cast<double>(y)}, m.text);
   if (const auto before = scene.info.attributes.find("mtf:history"); before != scene.info.attributes.end())
     m.history.push_back(before->second);
   if (!has_ground) m.history.emplace_back("mtf simulate: map info of the scene cannot be read and is left out");

@@ -188,8 +188,10 @@ mtf::io::Metadata SensorRun::metadata(const mtf::io::Scene& scene, const mtf::Se
   metadata.text["mtf:quantity"] = output_quantity(chain_->loaded.sensor, chain_->stage);
   metadata.text["mtf:units"] = unit_of(*chain_);
   metadata.text["mtf:tap"] = radiometry::output_stage_name(chain_->stage);
-  const auto& noise = chain_->loaded.sensor.settings.noise;
-  if (noise) metadata.text["mtf:noise"] = "seed " + std::to_string(noise->seed) + ", frame " + std::to_string(frame);
+  const auto& settings = chain_->loaded.sensor.settings;
+  if (settings.path || settings.atmosphere) metadata.text["mtf:path"] = "included";
+  if (const auto& noise = settings.noise; noise)
+    metadata.text["mtf:noise"] = "seed " + std::to_string(noise->seed) + ", frame " + std::to_string(frame);
   metadata.history.back() = "mtf simulate: chain to " + metadata.text["mtf:tap"];
   return metadata;
 }
@@ -237,6 +239,24 @@ bool nearly_same_correction(const mtf::io::SensorConfig& a, const mtf::io::Senso
   const mtf::Frame<double>&first = a.system.frame, &second = b.system.frame;
   return first.pitch_x_um == second.pitch_x_um && first.pitch_y_um == second.pitch_y_um &&
          format_of(a) == format_of(b) && same_readout(a.system, b.system) && tables_of_pixels(a) == tables_of_pixels(b);
+}
+
+void require_one_drift(const mtf::io::SensorConfig& sensor, const mtf::io::Schedule& schedule) {
+  constexpr std::array<std::string_view, 3> kDrifting{"detector.shutter_temperature", "optics.stop_temperature",
+                                                      "optics.temperature"};
+  const auto settings = radiometry::sensor_settings(sensor.tables);
+  if (!settings.thermal) return;
+  const auto& lines = schedule.settings;
+  const bool drifts = settings.thermal->drift_k_s != 0.0 ||
+                      std::any_of(lines.begin(), lines.end(),
+                                  [](const auto& line) { return line.parameter == "detector.shutter_drift"; });
+  if (!drifts) return;
+  for (const mtf::io::Setting& line : lines)
+    if (line.frame > 0 && std::find(kDrifting.begin(), kDrifting.end(), line.parameter) != kDrifting.end())
+      throw mtf::UsageError(schedule.file + ":" + std::to_string(line.line) + ": error: " + line.parameter +
+                            ": the temperature at frame " + std::to_string(line.frame) +
+                            ", which detector.shutter_drift states too: it warms shutter, housing and optics from "
+                            "frame 0 on; remove shutter_drift, or the lines of temperatures after frame 0");
 }
 
 void refuse_overflow(const std::string& channel) {

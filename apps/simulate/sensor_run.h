@@ -16,6 +16,7 @@
 #include "apps/simulate/scene_light.h"
 #include "apps/simulate/sensor_image.h"
 #include "apps/simulate/simulate_options.h"
+#include "mtf/io/config/schedule.h"
 #include "mtf/plan/sensor_plan.h"
 
 namespace apps {
@@ -99,6 +100,9 @@ bool same_correction(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig
 /// efficiency and dark current, and temporal noise may differ. Where warm optics or dark current have changed under a
 /// strong shading, that change is divided by the shading in the image.
 bool nearly_same_correction(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig& b);
+
+/// Throws UsageError for a schedule of temperatures after frame 0 that [detector] shutter_drift changes too.
+void require_one_drift(const mtf::io::SensorConfig& sensor, const mtf::io::Schedule& schedule);
 
 /// Throws RuntimeError: a channel of this name has filtered values beyond what float32 holds.
 [[noreturn]] void refuse_overflow(const std::string& channel);

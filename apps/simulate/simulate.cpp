@@ -109,12 +109,7 @@ SimulateResult simulate_whole(const SensorRun& sensor, SceneSource& source, cons
   const Written written = deliver(options, options.out, result.names, image, sensor.integer_range(options.range));
   if (!image.planes.empty()) result.images.push_back(std::move(image));
   watch.tell_stage("write");
-  if (written.scaling) {
-    describe_integers(report, written);
-    watch.note(std::to_string(report.scaling.bits) + "-bit output, value = " + mtf::format_double(report.scaling.gain) +
-               " x file + " + mtf::format_double(report.scaling.offset) +
-               (report.clamped > 0 ? ", " + std::to_string(report.clamped) + " samples clamped" : ""));
-  }
+  watch.describe_integers(written);
   return result;
 }
 

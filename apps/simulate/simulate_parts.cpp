@@ -68,6 +68,12 @@ SceneInput load_input(SceneSource source, const SensorRun& sensor, NanPolicy nan
   SceneInput input;
   input.scene = take_scene(sensor.config(), source);
   input.masks = treat_bad_pixels(input.scene, nan, input.bad_pixels);
+  if (nan == NanPolicy::propagate && !input.bad_pixels.empty() && !sensor.is_linear()) {
+    const radiometry::SensorSettings& settings = sensor.chain()->loaded.sensor.settings;
+    if (settings.distortion || settings.ghost)
+      throw mtf::UsageError(sensor.config().file + ": " + (settings.distortion ? "[distortion]" : "[ghost]") +
+                            ": moves light, so that the pixels which a bad one reaches are not known; use --nan fill");
+  }
   if (watch != nullptr && !input.bad_pixels.empty()) watch->note(input.bad_pixels);
   if (watch != nullptr) watch->tell_stage("read");
   SceneLight light = sensor.light(input.scene, input.masks, source, threads);
@@ -121,12 +127,6 @@ void describe_run(RunReport& report, const mtf::io::SensorConfig& config, mtf::i
   report.scene_path = scene_path;
   report.out_path = options.out;
   report.tolerance = tolerance;
-}
-
-void describe_integers(RunReport& report, const Written& written) {
-  report.scaling = *written.scaling;
-  report.clamped = written.clamped;
-  report.integer_scaling = "value = gain x file + offset, in " + report.unit();
 }
 
 std::vector<mtf::Image> treat_bad_pixels(mtf::io::Scene& scene, NanPolicy policy, std::string& summary) {
@@ -241,6 +241,16 @@ void RunWatch::warn(const std::string& text) {
   tell_warning(text);
 }
 
+void RunWatch::describe_integers(const Written& written) {
+  if (!written.scaling) return;
+  const mtf::io::IntegerScaling& scaling = report_.scaling = *written.scaling;
+  report_.clamped = written.clamped;
+  report_.integer_scaling = "value = gain x file + offset, in " + report_.unit();
+  note(std::to_string(scaling.bits) + "-bit output, value = " + mtf::format_double(scaling.gain) + " x file + " +
+       mtf::format_double(scaling.offset) +
+       (written.clamped > 0 ? ", " + std::to_string(written.clamped) + " samples clamped" : ""));
+}
+
 void RunWatch::lap(const char* stage) {
   const Clock::time_point now = Clock::now();
   report_.timing_ms.emplace_back(stage, std::chrono::duration<double, std::milli>(now - last_).count());
@@ -259,10 +269,41 @@ mtf::OtfProgress RunWatch::planning() {
   };
 }
 
-std::vector<std::string> warnings_of(const Frame& frame) {
-  std::vector<std::string> warnings = frame.input->scene.warnings;
-  for (std::string& text : mtf::io::sampling_warnings(frame.sensor.config().system, frame.input->scene.grid))
+std::vector<std::string> warnings_of(const SensorRun& sensor, const mtf::io::Scene& scene) {
+  std::vector<std::string> warnings = scene.warnings;
+  for (std::string& text : mtf::io::sampling_warnings(sensor.config().system, scene.grid))
     warnings.push_back(std::move(text));
+  const auto add = [&](std::string text) {
+    if (!text.empty()) warnings.push_back(std::move(text));
+  };
+  add(spectrum_warning(sensor.system(), scene.wavelength_um, !sensor.is_linear()));
+  if (sensor.is_linear()) return warnings;
+  const radiometry::SensorSettings& settings = sensor.chain()->loaded.sensor.settings;
+  const mtf::Frame<double>& frame = sensor.config().system.frame;
+  const double cy_sample =
+      0.5 * std::max(scene.grid.step_x_um / frame.pitch_x_um, scene.grid.step_y_um / frame.pitch_y_um);
+  if (const auto& d = settings.distortion; d && (d->k1 != 0.0 || d->k2 != 0.0 || d->k3 != 0.0))
+    add("[distortion] interpolates the scene, whose MTF at the Nyquist frequency of the pixels it lowers to as little "
+        "as " +
+        significant(radiometry::distortion_mtf(std::min(cy_sample, 0.5)), 3) +
+        ", which is not in the promised error; give the scene more samples per pitch");
+  const double columns = static_cast<double>(scene.grid.width) * scene.grid.step_x_um / frame.pitch_x_um,
+               rows = static_cast<double>(scene.grid.height) * scene.grid.step_y_um / frame.pitch_y_um;
+  if ((settings.vignetting || settings.distortion || settings.narcissus) &&
+      (columns + 1e-9 < frame.columns || rows + 1e-9 < frame.rows))
+    add("the scene covers " + significant(columns, 4) + " x " + significant(rows, 4) +
+        " pixels from the upper left of " + mtf::size_text(frame.columns, frame.rows) +
+        ", about whose middle the sensor file has its vignetting, distortion or narcissus; give frame.format that size "
+        "for "
+        "a smaller detector");
+  if (settings.adc && settings.adc->bits > 24)
+    add("[adc] bits = " + std::to_string(settings.adc->bits) +
+        ": images hold whole counts up to 2^24, larger ones are rounded to 24 bits");
+  return warnings;
+}
+
+std::vector<std::string> warnings_of(const Frame& frame) {
+  std::vector<std::string> warnings = warnings_of(frame.sensor, frame.input->scene);
   warnings.insert(warnings.end(), frame.input->warnings.begin(), frame.input->warnings.end());
   return warnings;
 }

@@ -42,8 +42,6 @@ mtf::SceneAperture aperture_of(const mtf::io::SceneDefaults& defaults, const mtf
 /// Fills in what was simulated, for whom, and where it went.
 void describe_run(RunReport& report, const mtf::io::SensorConfig& config, mtf::io::Scene scene_facts,
                   const std::string& scene_path, const SimulateOptions& options, double tolerance);
-/// And how the values of a PNG or TIFF were scaled.
-void describe_integers(RunReport& report, const Written& written);
 
 /// Masks of bad pixels per channel (empty where there are none), the planes filled; `summary` says so. Throws
 /// RuntimeError when the policy is to refuse, UsageError when an encoding table does not cover them.
@@ -106,6 +104,8 @@ class RunWatch {
   void share(std::string_view step, double share) { tell({SimulateEvent::Kind::share, step, share}); }
   void note(const std::string& text);
   void warn(const std::string& text);
+  /// How the values of a PNG or TIFF were scaled, in the report and as a note; nothing of other files.
+  void describe_integers(const Written& written);
   /// A warning that is in the report already.
   void tell_warning(const std::string& text) { tell({SimulateEvent::Kind::warning, text, 0.0}); }
   /// Time since the last lap goes to the report; `tell_stage` does that and tells it.
@@ -200,11 +200,14 @@ struct Frame {
   radiometry::ChainFrame counted;                     ///< what the chain says of it, without its image
   std::vector<std::string> warnings;
   SimulatedImage image;  ///< without planes once a file or the sink has them
+  Written written;       ///< how its file of whole numbers was made
   double read_ms = 0.0, plan_ms = 0.0, run_ms = 0.0, write_ms = 0.0;
   std::exception_ptr error;
 };
 
-/// What is to be said of the sensor and the scene of a frame before it is planned.
+/// What is to be said of a scene and what images it before it is planned: of its file, its sampling, and of what is not
+/// in the promised error. Of a frame, what its light says too.
+std::vector<std::string> warnings_of(const SensorRun& sensor, const mtf::io::Scene& scene);
 std::vector<std::string> warnings_of(const Frame& frame);
 
 /// Takes the scene of `source` for this frame alone. Arguments and errors as StillScene; `watch` hears of the steps

@@ -45,7 +45,7 @@ Level first_level(ImageView<float> image) {
 
 // The pixel that holds the centre of a sample, along one axis.
 std::int64_t pixel_of(std::int64_t sample, double step, double pitch) {
-  return static_cast<std::int64_t>((static_cast<double>(sample) + 0.5) * step / pitch);
+  return static_cast<std::int64_t>(std::floor((static_cast<double>(sample) + 0.5) * step / pitch));
 }
 
 struct Box {
@@ -85,19 +85,25 @@ void widen(float* line, std::int64_t n, std::int64_t stride, std::int64_t half) 
   }
 }
 
-// Output pixels of `plan` that the marked input samples affect: 0 or 1.
-Image affected_by(const Plan& plan, const Image& mask, double tolerance, int threads) {
+// Output pixels of `plan` that the marked input samples affect: 0 or 1. A periodic scene goes on beyond its edges.
+Image affected_by(const Plan& plan, const Image& mask, double tolerance, int threads, bool periodic) {
   const SampleGrid &in = plan.in(), &out = plan.out();
   const Box box = response_box(plan, tolerance, threads);
   Image affected(out.width, out.height);
   std::fill_n(affected.data(), affected.size(), 0.0F);
+  const auto mark = [&](std::int64_t x, std::int64_t y) {
+    const std::int64_t column = pixel_of(x, in.step_x_um, out.step_x_um);
+    const std::int64_t row = pixel_of(y, in.step_y_um, out.step_y_um);
+    if (column < -box.x || row < -box.y || column >= out.width + box.x || row >= out.height + box.y) return;
+    affected.at(std::clamp<std::int64_t>(column, 0, out.width - 1), std::clamp<std::int64_t>(row, 0, out.height - 1)) =
+        1.0F;
+  };
+  const std::int64_t turns = periodic ? 1 : 0;
   for (std::int64_t y = 0; y < in.height; ++y)
     for (std::int64_t x = 0; x < in.width; ++x) {
       if (mask.at(x, y) == 0.0F) continue;
-      const std::int64_t column = pixel_of(x, in.step_x_um, out.step_x_um);
-      const std::int64_t row = pixel_of(y, in.step_y_um, out.step_y_um);
-      if (column >= out.width + box.x || row >= out.height + box.y) continue;  // far outside the format
-      affected.at(std::min(column, out.width - 1), std::min(row, out.height - 1)) = 1.0F;
+      for (std::int64_t j = -turns; j <= turns; ++j)
+        for (std::int64_t i = -turns; i <= turns; ++i) mark(x + i * in.width, y + j * in.height);
     }
   for (std::int64_t y = 0; y < out.height; ++y) widen(affected.data() + y * out.width, out.width, 1, box.x);
   for (std::int64_t x = 0; x < out.width; ++x) widen(affected.data() + x, out.height, out.width, box.y);
@@ -141,9 +147,10 @@ Image bad_pixel_mask(ImageView<const float> image) {
 
 void propagate_bad_pixels(const SensorPlan& plan, const Image& mask, double tolerance, int threads,
                           ImageView<float> image) {
-  Image bad = affected_by(plan.presample, mask, tolerance, threads);
+  const bool periodic = plan.options.border == Border::periodic;
+  Image bad = affected_by(plan.presample, mask, tolerance, threads, periodic);
   for (const std::optional<Plan>* filter : {&plan.readout, &plan.post})
-    if (*filter) bad = affected_by(**filter, bad, tolerance, threads);
+    if (*filter) bad = affected_by(**filter, bad, tolerance, threads, periodic);
   for (std::int64_t y = 0; y < image.height; ++y)
     for (std::int64_t x = 0; x < image.width; ++x)
       if (bad.at(x, y) != 0.0F) image.at(x, y) = std::numeric_limits<float>::quiet_NaN();

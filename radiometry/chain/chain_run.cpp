@@ -217,7 +217,7 @@ ChainFrame Chain::run_scene(mtf::Image radiance, mtf::KeptScene* kept, std::uint
     run.frame.image = std::move(radiance);
     try {
       run.run(Part::optics, run.frame.image);
-      if (state != nullptr && stage >= OutputStage::watts && !compiled_->settings.microscan) {
+      if (state != nullptr && stage >= OutputStage::watts) {
         run.state = state;
         if (state->last && number > *state->last) run.frames_passed = number - *state->last;
         state->last = number;

@@ -2,10 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "mtf/io/image_io.h"
+#include "mtf/io/scene.h"
 #include "tests/apps/chain_sensor.h"
 #include "tests/expect_error.h"
 #include "tests/replaced.h"
@@ -333,6 +335,84 @@ TEST_F(ChainCommand, SpectralScenesAndRangesOfPixelsAgreeWithPlainNumbers) {
   sensor("[microscan]\nsteps = 2\n");
   electrons("t300.exr", "fine");
   EXPECT_EQ(read(scratch / "fine.exr").width(), 64);
+  EXPECT_EQ(mtf::io::stated_pitch_um(mtf::io::read_info((scratch / "fine.exr").string())), (std::array{7.5, 7.5}));
+}
+
+TEST_F(ChainCommand, TheAirOfARadianceIsTakenOnce) {
+  sensor("[path]\ntransmission = 0.5\n");
+  ASSERT_EQ(scratch.run("mtf simulate s.toml t300.exr -o once.exr --stage radiance --roi 1,2,30,20").status, 0);
+  EXPECT_TRUE(
+      mtf::io::read_info((scratch / "once.exr").string()).attributes.at("mtf:region").starts_with("1 2 30 20 "));
+  expect_refused("mtf simulate s.toml once.exr -o out.exr", {"once.exr", "the air is in it already", "[path]"});
+}
+
+// What lies beyond the border has filled well and converter as the pixels have.
+TEST_F(ChainCommand, AConstantBorderIsHeldAtTheEndsOfTheRange) {
+  for (const std::string more :
+       {"[blooming]\n[adc]\nbits = 14\n", "[adc]\nbits = 14\nelectrons_per_count = \"500 e-\"\n"}) {
+    sensor(more + "[[postsample]]\nkind = \"fir\"\ntaps = [[0.25, 0.5, 0.25]]\n", "quantity = \"temperature\"",
+           "quantity = \"temperature\"\nborder = \"constant\"\nborder_value = 330.0");
+    for (const char* stage : {"dn", "display"})
+      ASSERT_EQ(scratch.run(std::string("mtf simulate s.toml t300.exr -o ") + stage + ".exr --stage " + stage).status,
+                0);
+    const Image counts = read(scratch / "dn.exr"), filtered = read(scratch / "display.exr");
+    EXPECT_LT(counts.at(20, 12), 15000.0F);
+    EXPECT_NEAR(filtered.at(0, 12), 0.25F * 16383.0F + 0.5F * counts.at(0, 12) + 0.25F * counts.at(1, 12), 0.5F)
+        << more;
+  }
+}
+
+TEST_F(ChainCommand, WellsThatSpilledChargeFillsAreCounted) {
+  Image hot(64, 48);
+  std::fill_n(hot.data(), hot.size(), 280.0F);
+  hot.at(20, 20) = hot.at(21, 20) = hot.at(20, 21) = hot.at(21, 21) = 700.0F;
+  mtf::io::write_exr((scratch / "hot.exr").string(), {{"Y", hot.view()}}, {});
+  sensor("[blooming]\n");
+  ASSERT_EQ(scratch.run("mtf simulate s.toml hot.exr -o hot_e.exr --report r.json").status, 0);
+  const Image electrons = read(scratch / "hot_e.exr");
+  const auto full = std::count(electrons.data(), electrons.data() + electrons.size(), 1e7F);
+  EXPECT_GT(full, 20);  // the column of the hot pixel at least
+  EXPECT_EQ(Json::parse(read_file(scratch / "r.json"))["chain"]["saturation"]["at_full_well"], full);
+}
+
+TEST_F(ChainCommand, BadPixelsAreNotFollowedWhereLightMoves) {
+  Image bad(64, 48);
+  std::fill_n(bad.data(), bad.size(), 300.0F);
+  bad.at(5, 7) = std::nanf("");
+  mtf::io::write_exr((scratch / "bad.exr").string(), {{"Y", bad.view()}}, {});
+  for (const std::string table : {"[distortion]\nk1 = -0.02\n", "[ghost]\nfraction = 0.1\n"}) {
+    sensor(table);
+    expect_refused("mtf simulate s.toml bad.exr -o out.exr --nan propagate", {table.substr(0, 6), "--nan fill"});
+  }
+}
+
+TEST_F(ChainCommand, WhatThePromisedErrorLeavesOutIsSaid) {
+  sensor("[distortion]\nk1 = -0.02\n[adc]\nbits = 32\n");
+  // Keys' kernel halfway between samples at a quarter cycle a sample: (9/8 + 1/8) cos(pi/4).
+  expect_says(
+      scratch.run("mtf simulate s.toml t300.exr -o a.exr").err,
+      {"warning: [distortion]", "0.884, which is not in the promised error", "warning: [adc] bits = 32", "2^24"});
+  sensor("[vignetting]\n", "[scene]", "format = [640, 512]\n[scene]");
+  expect_says(scratch.run("mtf simulate s.toml t300.exr -o a.exr").err,
+              {"32 x 24 pixels from the upper left of 640x512"});
+  Image plane(64, 48);
+  std::fill_n(plane.data(), plane.size(), 1e-3F);
+  mtf::io::Metadata units;
+  units.text["emissiveUnits"] = "W.m^-2.sr^-1";
+  mtf::io::write_exr((scratch / "spectrum.exr").string(),
+                     {{"S0.3500,000000nm", plane.view()}, {"S0.4500,000000nm", plane.view()}}, units);
+  // At 33.3 cy/mm and F/2.5 diffraction passes 0.634 at 3.5 um and 0.534 at 4.5 um, 0.584 on the mean from 3 to 5 um,
+  // the footprint 2/pi.
+  sensor("", "quantity = \"temperature\"", "quantity = \"spectral_radiance\"");
+  expect_says(scratch.run("mtf simulate s.toml spectrum.exr -o b.exr").err,
+              {"3.5 um to 4.5 um", "counts as 0", "at 3.5 um and 4.5 um", "by up to 0.032"});
+  std::string linear = kSensor.substr(0, kSensor.find("[detector]"));
+  for (const std::string_view line : {"integration_time = \"10 ms\"\n", "transmission = 0.85\n"})
+    linear.erase(linear.find(line), line.size());
+  write_file(scratch / "linear.toml", linear);
+  for (const char* more : {"", " --roi 0,0,8,8"})
+    expect_says(scratch.run(std::string("mtf simulate linear.toml spectrum.exr -o c.exr") + more).err,
+                {"by up to 0.032"});
 }
 
 TEST_F(ChainCommand, BadInputSaysWhereAndWhat) {

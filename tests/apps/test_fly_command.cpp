@@ -52,6 +52,18 @@ TEST_F(FlyCommand, SaysWhenWholeNumbersHardlyShowOrAreClamped) {
   expect_says(dark.out, {"hardly show", "--range "});
   const Result clamped = scratch_.run("mtf fly scene.toml sensor.toml --frames 0:1 --range 0:1 -o frame.%02d.png");
   expect_says(clamped.out, {"100 %", "clamped"});
+  const Result json =
+      scratch_.run("mtf fly scene.toml sensor.toml --frames 0:1 --range 0:1 -o f.%02d.png --format json");
+  const nlohmann::json values = nlohmann::json::parse(json.out).at("values");
+  EXPECT_EQ(values.at("clamped"), values.at("samples"));
+}
+
+TEST_F(FlyCommand, RefusesATemperatureThatADriftStatesToo) {
+  const std::string drifts = "shutter_frames = 9\nshutter_drift = 0.1\nshutter_temperature";
+  write_file(scratch_ / "drift.toml",
+             replaced(replaced(kSensor, "format", "frame_time = \"20 ms\"\nformat"), "shutter_temperature", drifts));
+  write_file(scratch_ / "changes.csv", "frame,parameter,value\n2,optics.stop_temperature,299 K\n");
+  refused("scene.toml drift.toml --schedule changes.csv --frames 0:3", "shutter_drift states too");
 }
 
 TEST_F(FlyCommand, WritesTheFramesOfThePath) {

@@ -161,7 +161,18 @@ TEST_F(Simulate, SixteenBitOutputSaysItsScale) {
   const Result clamped =
       scratch.run("mtf simulate sensor.toml scene.exr -o out16.png --range 4.9:5.1 --report run.json");
   ASSERT_EQ(clamped.status, 0) << clamped.err;
-  EXPECT_GT(nlohmann::json::parse(read_file(scratch / "run.json"))["integer_output"]["clamped"].get<int>(), 0);
+  const auto count = [&] {
+    return nlohmann::json::parse(read_file(scratch / "run.json"))["integer_output"]["clamped"].get<int>();
+  };
+  const int one = count();
+  EXPECT_GT(one, 0);
+  // So do sequences and regions.
+  for (const auto& [more, times] : {std::pair{"f.%d.png --frames 2", 2}, {"roi.png --roi 0,0,16,16", 1}}) {
+    const Result r = scratch.run("mtf simulate sensor.toml scene.exr -o " + std::string(more) +
+                                 " --range 4.9:5.1 --report run.json");
+    expect_says(r.err, {"note: 16-bit output, value = ", std::to_string(times * one) + " samples clamped"});
+    EXPECT_EQ(count(), times * one) << more;
+  }
 }
 
 TEST_F(Simulate, BadPixels) {
@@ -184,6 +195,12 @@ TEST_F(Simulate, BadPixels) {
   EXPECT_FALSE(std::isnan(spoilt.planes[0].at(15, 0)));
   EXPECT_GT(bad, 4);
   EXPECT_LT(bad, 200);
+  plane.at(0, 32) = std::numeric_limits<float>::quiet_NaN();
+  mtf::io::write_exr((scratch / "bad.exr").string(), {{"Y", plane.view()}}, {});
+  write_file(scratch / "round.toml",
+             replaced(read_file(scratch / "sensor.toml"), "border = \"reflect\"", "border = \"periodic\""));
+  ASSERT_EQ(scratch.run("mtf simulate round.toml bad.exr -o round.exr --nan propagate --tolerance 1e-3").status, 0);
+  EXPECT_TRUE(std::isnan(mtf::io::read_image((scratch / "round.exr").string()).planes[0].at(15, 8)));
 }
 
 TEST_F(Simulate, BadPixelsReachThroughAFilterOfZeroSum) {

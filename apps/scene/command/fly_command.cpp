@@ -226,6 +226,7 @@ int run_fly(const FlyCommandOptions& options, const Global& global) {
   for (const std::int64_t frame : {first, last}) course.place_of(frame);  // the path has them
   const mtf::io::Schedule schedule =
       options.schedule.empty() ? mtf::io::Schedule{} : mtf::io::read_schedule(options.schedule, config);
+  require_one_drift(config, schedule);
   std::vector<std::string> inputs = inputs_of(options, file, config);
   inputs.insert(inputs.end(), schedule.files.begin(), schedule.files.end());
   require_outputs(options, names, course, inputs);
@@ -333,6 +334,12 @@ int run_fly(const FlyCommandOptions& options, const Global& global) {
   Json json = json_of(times, done, first_ms, flight, frame, left);
   json["samples_per_pitch"] = samples_per_pitch;
   json["tolerance"] = {{"asked", options.image.tolerance}, {"largest", loosest}};
+  if (values.samples > 0)
+    json["values"] = {{"least", values.least},
+                      {"most", values.most},
+                      {"unit", values.unit},
+                      {"samples", values.samples},
+                      {"clamped", values.clamped}};
   json.sort();
   if (!options.report.empty()) emit(options.report, json_document(json));
   if (options.format == Format::json) {

@@ -32,25 +32,6 @@
 namespace apps {
 namespace {
 
-constexpr std::array<std::string_view, 3> kDrifting{"detector.shutter_temperature", "optics.stop_temperature",
-                                                    "optics.temperature"};
-
-void refuse_drift_of_scheduled_temperatures(const mtf::io::SensorConfig& sensor, const mtf::io::Schedule& schedule) {
-  const auto settings = radiometry::sensor_settings(sensor.tables);
-  if (!settings.thermal) return;
-  const auto& lines = schedule.settings;
-  const bool drifts = settings.thermal->drift_k_s != 0.0 ||
-                      std::any_of(lines.begin(), lines.end(),
-                                  [](const auto& line) { return line.parameter == "detector.shutter_drift"; });
-  if (!drifts) return;
-  for (const mtf::io::Setting& line : lines)
-    if (line.frame > 0 && std::find(kDrifting.begin(), kDrifting.end(), line.parameter) != kDrifting.end())
-      throw mtf::UsageError(schedule.file + ":" + std::to_string(line.line) + ": error: " + line.parameter +
-                            ": the temperature at frame " + std::to_string(line.frame) +
-                            ", which detector.shutter_drift states too: it warms shutter, housing and optics from "
-                            "frame 0 on; remove shutter_drift, or the lines of temperatures after frame 0");
-}
-
 // When the shutter of a thermal camera closed last, for the frames of a sequence, and what it and the camera were like
 // then: as the schedule has them at that frame, whether or not that frame is one of those that are run. So a frame does
 // not depend on where --frames begins and on what it leaves out.
@@ -60,7 +41,7 @@ class ShutterClosings {
   /// Throws UsageError for a schedule of temperatures that [detector] shutter_drift changes too.
   ShutterClosings(const mtf::io::SensorConfig& sensor, mtf::io::Schedule schedule)
       : sensor_(sensor), schedule_(std::move(schedule)) {
-    refuse_drift_of_scheduled_temperatures(sensor_, schedule_);
+    require_one_drift(sensor_, schedule_);
   }
 
   /// The last closing of the camera with these settings, which are those of `frame`; nothing where it does not close.
@@ -266,6 +247,7 @@ class SequenceFrames {
                        " (the report counts such frames)");
     if (!frame.image.planes.empty()) images_.push_back(std::move(frame.image));
     if (chain_report_) chain_report_->add(frame.counted);
+    written_ = {frame.written.scaling, written_.clamped + frame.written.clamped};
     if (frame.counted.held.any()) report_.saturated.emplace_back(frame.number, frame.counted.held);
     ++report_.frames;
     report_.predicted_error = std::max(report_.predicted_error, frame.plan->predicted_error);
@@ -303,6 +285,7 @@ class SequenceFrames {
   }
   /// What the chain says of all frames; nothing for a sensor without one.
   const std::optional<ChainReport>& chain_report() const { return chain_report_; }
+  const Written& written() const { return written_; }  ///< of the last frame, but clamped in all
 
  private:
   void run_alone(Frame& frame) {
@@ -316,8 +299,9 @@ class SequenceFrames {
   void write(Frame& frame) {
     attempt(frame, frame.write_ms, [&] {
       frame.image.metadata = metadata_of(frame);
-      deliver(options_, names_.out ? names_.out->name(frame.number) : "", output_names(frame.input->scene.names),
-              frame.image, frame.sensor.integer_range(options_.range));
+      frame.written =
+          deliver(options_, names_.out ? names_.out->name(frame.number) : "", output_names(frame.input->scene.names),
+                  frame.image, frame.sensor.integer_range(options_.range));
     });
   }
   /// Whether it differs from a group of frames in its noise alone, their numbers equally far apart.
@@ -388,6 +372,7 @@ class SequenceFrames {
   std::vector<SimulatedImage> images_;
   SequenceReport report_;
   std::optional<ChainReport> chain_report_;
+  Written written_;
   double read_ms_ = 0.0, plan_ms_ = 0.0, run_ms_ = 0.0, write_ms_ = 0.0;
 };
 
@@ -589,6 +574,7 @@ SimulateResult simulate_sequence(const mtf::io::SensorConfig& sensor, SceneSourc
   report.timing_ms = frames.timing_ms();
   report.sequence = std::move(facts);
   report.chain = frames.chain_report();
+  watch.describe_integers(frames.written());
   result.names = output_names(frames.first_scene().names);
   result.images = std::move(frames.images());
   return result;

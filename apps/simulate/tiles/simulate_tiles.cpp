@@ -492,23 +492,15 @@ SurveyedPlan survey_and_plan(const SensorRun& sensor, const SimulateOptions& opt
 
 mtf::io::Metadata metadata_of(const SensorRun& sensor, const SimulateOptions& options, const mtf::io::Scene& scene,
                               const SurveyedPlan& planned) {
-  mtf::io::Metadata metadata =
-      sensor.metadata(scene, planned.plan.inner(), planned.options.tolerance, 0, options.region);
-  if (options.region) {
-    const auto& [x, y, width, height] = *options.region;
-    metadata.text["mtf:region"] = std::to_string(x) + " " + std::to_string(y) + " " + std::to_string(width) + " " +
-                                  std::to_string(height) + " pixels of the whole image";
-  }
-  return metadata;
+  return sensor.metadata(scene, planned.plan.inner(), planned.options.tolerance, 0, options.region);
 }
 
 /// Hands the planes of an image in memory over: to the file, to the sink, or in the result.
 void deliver_image(TileRun& all, SimulatedImage image) {
   SimulateResult& result = all.result;
   for (const mtf::Image& plane : image.planes) result.statistics.push_back(mtf::statistics(plane.view()));
-  const Written written =
-      deliver(all.options, all.options.out, result.names, image, all.sensor.integer_range(all.options.range));
-  if (written.scaling) describe_integers(result.report, written);
+  all.watch.describe_integers(
+      deliver(all.options, all.options.out, result.names, image, all.sensor.integer_range(all.options.range)));
   if (!image.planes.empty()) result.images.push_back(std::move(image));
 }
 
@@ -551,9 +543,7 @@ SimulateResult simulate_tiles(const SensorRun& sensor, SceneSource& file, const 
   const mtf::io::Scene& scene = source.scene;
   const double border_value =
       read_as_light(sensor, file.file, source, options.memory.value_or(0), options.threads, watch);
-  report.warnings = scene.warnings;
-  for (std::string& warning : mtf::io::sampling_warnings(config.system, scene.grid))
-    report.warnings.push_back(std::move(warning));
+  report.warnings = warnings_of(sensor, scene);
   const SurveyedPlan planned = survey_and_plan(sensor, options, border_value, source, report, watch);
   const mtf::TiledSensorPlan& plan = planned.plan;
 

@@ -20,6 +20,8 @@ void hold_well(FrameRun& run, mtf::Image& image, const Limit& limit) {
   run.frame.held_defects.full_well += held.stuck.high;
 }
 
+void hold_border(FrameRun& run) { run.border = std::min(run.border, run.chain.pixel.full_well_e); }
+
 mtf::DeviceRandom device_random(const FrameRun& run, const NoiseKey& key, Stream stream) {
   const Origin origin = run.maps.origin();
   return {key.seed, key.frame, static_cast<std::uint32_t>(stream), static_cast<std::uint32_t>(origin.x),
@@ -119,7 +121,7 @@ std::span<const StageRow> charge_rows() {
        .step_on_device = [](FrameRun& run, mtf::DeviceImage& electrons) -> void {
          electrons.hold_well(static_cast<float>(run.chain.pixel.full_well_e));
        },
-       .border = [](FrameRun& run) { run.border = std::min(run.border, run.chain.pixel.full_well_e); }},
+       .border = hold_border},
       {.name = "blooming",
        .whole_image = "spills charge over any number of pixels",
        .require = [](const System&, const Sensor& sensor) -> void {
@@ -132,12 +134,13 @@ std::span<const StageRow> charge_rows() {
          return said(sensor.settings.blooming ? "above " + well_of(sensor) : "", "no [blooming]");
        },
        .step = [](FrameRun& run, mtf::Image& electrons) -> void {
-         hold_well(run, electrons, above_well);
          const Spilled spilled =
              bloom(electrons.view(), *run.chain.settings.blooming, run.chain.pixel.full_well_e, run.threads);
+         hold_well(run, electrons, above_well);  // with those that spilled charge has filled
          run.frame.spilled.drained_e += spilled.drained_e;
          run.frame.spilled.left_e += spilled.left_e;
-       }},
+       },
+       .border = hold_border},
       {.name = "nonlinearity",
        .require = [](const System& system, const Sensor& sensor) -> void {
          if (!sensor.settings.nonlinearity) return;

@@ -2,6 +2,7 @@
 
 // From charge to counts, and what a camera does to its counts.
 
+#include <algorithm>
 #include <numeric>
 
 #include "radiometry/chain/steps/stage_rows.h"
@@ -55,7 +56,7 @@ std::span<const StageRow> count_rows() {
        },
        .border = [](FrameRun& run) -> void {
          const Adc& adc = *run.chain.adc;
-         run.border = run.border / adc.electrons_per_count + adc.offset_counts;
+         run.border = std::clamp(run.border / adc.electrons_per_count + adc.offset_counts, 0.0, adc.most_counts());
        }},
       {.name = "correction",
        .part = correction,

@@ -93,7 +93,7 @@ Clipped above_well(mtf::ImageView<const float> image, double full_well_e, int th
   const float well = well_of(full_well_e);
   return over_rows(image.height, threads, [&](std::int64_t y, Clipped& clipped) {
     const float* row = image.row(y);
-    clipped.high += std::count_if(row, row + image.width, [&](float value) { return value > well; });
+    clipped.high += std::count_if(row, row + image.width, [&](float value) { return value >= well; });
   });
 }
 
