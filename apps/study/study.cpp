@@ -117,11 +117,13 @@ std::optional<SensorView> read_sensor(StudyReader& s, const Node& node, const st
     if (const auto problem = apps::chain_problem(result.config))
       return fail(mtf::printable(mtf::io::format_diagnostic(*problem, file), 800));
     for (const mtf::io::Diagnostic& warning : apps::chain_warnings(result.config))
-      if (!warning.remark)
+      if (!warning.remark) {
+        const std::string where = file + ": " + (warning.path.empty() ? "" : warning.path + ": ");
         s.reader.diagnostics.push_back({.error = false,
                                         .position = node.position,
                                         .path = path,
-                                        .text = mtf::printable(mtf::io::format_diagnostic(warning, file), 800)});
+                                        .text = mtf::printable(where + warning.text, 800)});
+      }
   }
   if (errors > kMostSensorErrors)
     fail(std::to_string(errors - kMostSensorErrors) + " more errors; see mtf config check " + file);
