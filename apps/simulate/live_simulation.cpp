@@ -61,6 +61,8 @@ struct LiveSimulation::State {
     frame.whole_levels = takes_whole_levels(options);
     frame.image.planes = run_planes(frame, remembered ? &remembering : nullptr, options.threads);
     if (frame.counted.held.any()) frame.warnings.push_back(words(frame.counted.held));
+    if (std::string text = correction_warning(frame.counted.correction); !text.empty())
+      frame.warnings.push_back(std::move(text));
     frame.image.metadata = metadata_of(frame);
     names = output_names(frame.input->scene.names);
     planner = std::move(next);

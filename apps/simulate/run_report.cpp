@@ -105,15 +105,19 @@ Json chain_json(const ChainReport& chain) {
   saturation["share"] = chain.held.share();
   saturation["defective_or_blinking"] = held_json(chain.held_defects);
   saturation["warning"] = chain.held.any() ? Json(words(chain.held)) : Json();
-  return {{"tap", chain.stage},
-          {"stages", stages},
-          {"timing_ms", Json::object(chain.timing_ms)},
-          {"saturation", saturation},
-          {"pixels_at_full_well", chain.well.high},
-          {"pixels_at_least_count", chain.adc.low},
-          {"pixels_at_most_count", chain.adc.high},
-          {"drained_e", chain.spilled.drained_e},
-          {"left_at_edges_e", chain.spilled.left_e}};
+  Json json = {{"tap", chain.stage},
+               {"stages", stages},
+               {"timing_ms", Json::object(chain.timing_ms)},
+               {"saturation", saturation},
+               {"pixels_at_full_well", chain.well.high},
+               {"pixels_at_least_count", chain.adc.low},
+               {"pixels_at_most_count", chain.adc.high},
+               {"drained_e", chain.spilled.drained_e},
+               {"left_at_edges_e", chain.spilled.left_e}};
+  if (chain.correction)
+    json["correction"] = {{"bad_pixels", chain.correction->bad.size()},
+                          {"flat_frames", held_json(chain.correction->saturated)}};
+  return json;
 }
 
 // The plan is that of one tile; sizes are those of the whole run.
@@ -140,6 +144,7 @@ void ChainReport::add(const radiometry::ChainFrame& frame) {
   spilled.left_e += frame.spilled.left_e;
   held += frame.held;
   held_defects += frame.held_defects;
+  if (frame.correction) correction = frame.correction;
 }
 
 std::string RunReport::quantity() const {

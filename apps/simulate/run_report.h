@@ -49,6 +49,7 @@ struct ChainReport {
   radiometry::Clipped well, adc;  ///< of one image, or the sum over its tiles or a sequence, as all below
   radiometry::Spilled spilled;
   radiometry::HeldPixels held, held_defects;
+  std::shared_ptr<const radiometry::TwoPoint> correction;  ///< of the last one that has it
 
   void add(const radiometry::ChainFrame& frame);
 };

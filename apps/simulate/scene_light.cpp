@@ -411,6 +411,22 @@ std::string spectrum_warning(const mtf::System<double>& system, const std::vecto
          ", which is not in the promised error";
 }
 
+std::string source_warning(const mtf::System<double>& system, const LoadedSensor& loaded, Quantity of_file) {
+  LoadedSensor own = loaded;
+  own.source_k = source_temperature_k(loaded.sensor.settings, of_file);
+  if (!system.band || own.source_k == loaded.source_k) return "";
+  const double most = largest_difference(otf_values(system, system.band->rate),
+                                         otf_values(system, electron_rate(system, own, loaded.sensor.path)));
+  if (most <= kSeen) return "";
+  const auto light = [](const std::optional<double>& source_k) {
+    return source_k ? "of a blackbody of " + significant(*source_k, 6) + " K" : std::string("of an even spectrum");
+  };
+  return "the OTF is the mean over [band] for light " + light(loaded.source_k) +
+         ", as [scene] quantity of the sensor file has it; for light " + light(own.source_k) +
+         ", as the scene's own quantity has it, the MTF differs from it by up to " + significant(most, 2) +
+         "; write quantity = \"" + std::string(mtf::io::quantity_name(of_file)) + "\" there";
+}
+
 RangeWeights range_weights(const mtf::System<double>& system, const LoadedSensor& loaded, const PixelRanges& ranges) {
   // Pixels are float32, and the last may be rounded beyond the table.
   const auto rate_at = [&](double range_m) {

@@ -51,6 +51,10 @@ struct SceneLight {
 SceneLight to_light(const mtf::io::SensorConfig& config, const LoadedSensor& loaded, mtf::io::Scene& scene,
                     const SceneSource& source, int threads);
 
+/// By how much the MTF over the band differs where a scene's own quantity, and not that of the sensor file, says what
+/// light it is averaged for; "" below 1e-4.
+std::string source_warning(const mtf::System<double>& system, const LoadedSensor& loaded, mtf::io::Quantity of_file);
+
 /// By how much the MTFs of the first and the last channel of a spectrum differ from that of the system, which filters
 /// all of them or, where a detector has `merged` them, their sum; "" below 1e-4, and of a scene without a spectrum.
 std::string spectrum_warning(const mtf::System<double>& system, const std::vector<double>& wavelength_um, bool merged);

@@ -100,6 +100,7 @@ SimulateResult simulate_whole(const SensorRun& sensor, SceneSource& source, cons
     if (report.chain->held.any())
       watch.warn(words(report.chain->held) +
                  (options.region ? ", counted in the whole image and not in --roi alone" : ""));
+    if (const std::string text = correction_warning(report.chain->correction); !text.empty()) watch.warn(text);
   }
   watch.tell_stage("run");
 

@@ -129,6 +129,20 @@ void describe_run(RunReport& report, const mtf::io::SensorConfig& config, mtf::i
   report.tolerance = tolerance;
 }
 
+std::string correction_warning(const std::shared_ptr<const radiometry::TwoPoint>& correction) {
+  constexpr double kMany = 0.01;  // of the pixels
+  if (!correction) return "";
+  const auto pixels = correction->gain.size(), bad = std::ssize(correction->bad);
+  std::string text;
+  if (correction->saturated.any())
+    text = "its flat frames are saturated, so that it falsifies pixels that are not: " +
+           where_held(correction->saturated) + "; move both flat frames further away from the ends of the range";
+  if (static_cast<double>(bad) > kMany * static_cast<double>(pixels))
+    text += (text.empty() ? "" : "; ") + std::to_string(bad) + " of " + std::to_string(pixels) +
+            " pixels count as bad and are left out of it; raise correction.limit unless they are";
+  return text.empty() ? "" : "[correction]: " + text;
+}
+
 std::vector<mtf::Image> treat_bad_pixels(mtf::io::Scene& scene, NanPolicy policy, std::string& summary) {
   if (policy == NanPolicy::refuse) require_decoded(scene);
   std::vector<mtf::Image> masks(scene.planes.size());
@@ -278,6 +292,7 @@ std::vector<std::string> warnings_of(const SensorRun& sensor, const mtf::io::Sce
   };
   add(spectrum_warning(sensor.system(), scene.wavelength_um, !sensor.is_linear()));
   if (sensor.is_linear()) return warnings;
+  add(source_warning(sensor.system(), sensor.chain()->loaded, scene.quantity));
   const radiometry::SensorSettings& settings = sensor.chain()->loaded.sensor.settings;
   const mtf::Frame<double>& frame = sensor.config().system.frame;
   const double cy_sample =
@@ -293,9 +308,8 @@ std::vector<std::string> warnings_of(const SensorRun& sensor, const mtf::io::Sce
       (columns + 1e-9 < frame.columns || rows + 1e-9 < frame.rows))
     add("the scene covers " + significant(columns, 4) + " x " + significant(rows, 4) +
         " pixels from the upper left of " + mtf::size_text(frame.columns, frame.rows) +
-        ", about whose middle the sensor file has its vignetting, distortion or narcissus; give frame.format that size "
-        "for "
-        "a smaller detector");
+        ", about whose middle the sensor file has its vignetting, distortion or narcissus; of a smaller detector "
+        "give the size in frame.format");
   if (settings.adc && settings.adc->bits > 24)
     add("[adc] bits = " + std::to_string(settings.adc->bits) +
         ": images hold whole counts up to 2^24, larger ones are rounded to 24 bits");

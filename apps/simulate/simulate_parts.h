@@ -43,6 +43,9 @@ mtf::SceneAperture aperture_of(const mtf::io::SceneDefaults& defaults, const mtf
 void describe_run(RunReport& report, const mtf::io::SensorConfig& config, mtf::io::Scene scene_facts,
                   const std::string& scene_path, const SimulateOptions& options, double tolerance);
 
+/// Why a correction leaves more in an image than the noise of its flat frames; "" where it does not, or for none.
+std::string correction_warning(const std::shared_ptr<const radiometry::TwoPoint>& correction);
+
 /// Masks of bad pixels per channel (empty where there are none), the planes filled; `summary` says so. Throws
 /// RuntimeError when the policy is to refuse, UsageError when an encoding table does not cover them.
 std::vector<mtf::Image> treat_bad_pixels(mtf::io::Scene& scene, NanPolicy policy, std::string& summary);

@@ -97,10 +97,11 @@ void add_time(std::vector<std::pair<Name, double>>& times, std::string_view name
 /// One frame that has gone through the chain.
 struct ChainFrame {
   mtf::Image image;
-  Spilled spilled{};            ///< by [blooming]
-  Clipped well, adc;            ///< all pixels that are held at an end of the range
-  HeldPixels held;              ///< those that light has brought there
-  HeldPixels held_defects;      ///< those that are defective, or blinking in the high state
+  Spilled spilled{};                             ///< by [blooming]
+  Clipped well, adc;                             ///< all pixels that are held at an end of the range
+  HeldPixels held;                               ///< those that light has brought there
+  HeldPixels held_defects;                       ///< those that are defective, or blinking in the high state
+  std::shared_ptr<const TwoPoint> correction{};  ///< that it has
   std::int64_t noise_rows = 1;  ///< the first row and every so-many-th after it have noise of each pixel
   std::vector<std::pair<std::string_view, double>> timing_ms;  ///< of the stages that ran, in their order
 };

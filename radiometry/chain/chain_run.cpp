@@ -321,15 +321,19 @@ TwoPoint CompiledChain::measure(int threads) const {
     require_reachable(flats, fill, glow_e(), pixel.full_well_e);
     return (fill * pixel.full_well_e - glow_e()) / gain;
   };
+  HeldPixels saturated{.volts = settings.thermal.has_value()};
   const auto flat = [&](double fill, std::uint32_t number, mtf::ImageView<float> out) {
     FrameRun run{.chain = *this, .maps = *maps, .threads = threads, .key = {seed, number}, .border = radiance_of(fill)};
     mtf::Image image(out.width, out.height);
     std::fill_n(image.data(), image.size(), static_cast<float>(run.border));
     run_detector(run, image, OutputStage::dn);
     require_unsaturated(flats, fill, run.frame.held);
+    saturated += run.frame.held;
     copy(image.view(), out);
   };
-  return measure_correction(plan.out().width / steps, plan.out().height / steps, flats, flat);
+  TwoPoint correction = measure_correction(plan.out().width / steps, plan.out().height / steps, flats, flat);
+  correction.saturated = saturated;
+  return correction;
 }
 
 }  // namespace radiometry

@@ -415,6 +415,37 @@ TEST_F(ChainCommand, WhatThePromisedErrorLeavesOutIsSaid) {
                 {"by up to 0.032"});
 }
 
+// A band of 3 to 5 um whose light the sensor file calls temperature is averaged for a body of 300 K, most of which is
+// beyond 4 um; of a scene that states radiance, for an even spectrum.
+TEST_F(ChainCommand, ASceneOfAnotherLightThanTheSensorFileStatesIsTold) {
+  sensor("");
+  write_flat(scratch / "photons.exr", 1e19F, "photon_radiance");
+  const Result told = scratch.run("mtf simulate s.toml photons.exr -o a.exr");
+  EXPECT_EQ(told.status, 0) << told.err;
+  expect_says(told.err, {"for light of a blackbody of 300 K", "of an even spectrum", "\"photon_radiance\" there"});
+  sensor("", "quantity = \"temperature\"", "quantity = \"photon_radiance\"");
+  EXPECT_FALSE(says(scratch.run("mtf simulate s.toml photons.exr -o b.exr --force").err, "of an even spectrum"));
+}
+
+// Of a normal responsivity with 3 % rms, 4.0 % of the pixels are full at 0.95 of the well, in half of the flat frames;
+// 50 % differ by more than 2 %.
+TEST_F(ChainCommand, WhatSpoilsACorrectionIsSaid) {
+  const auto corrected = [&](const std::string& more) {
+    sensor("[nonuniformity]\nprnu = 0.03\n[noise]\n[adc]\nbits = 14\n[correction]\nframes = 4\n" + more);
+    const Result r = scratch.run("mtf simulate s.toml t300.exr -o out.exr --report r.json");
+    EXPECT_EQ(r.status, 0) << r.err;
+    return std::pair{r.err, Json::parse(read_file(scratch / "r.json"))["chain"]["correction"]};
+  };
+  EXPECT_FALSE(says(corrected("").first, "[correction]"));
+  const auto [full, flats] = corrected("high = 0.95\n");
+  expect_says(full, {"warning: [correction]", "flat frames are saturated", "at the full well"});
+  EXPECT_NEAR(flats["flat_frames"]["at_full_well"].get<double>() / flats["flat_frames"]["pixels"].get<double>(), 0.0199,
+              0.0105);  // 3 standard deviations of 768 pixels
+  const auto [bad, many] = corrected("limit = 0.02\n");
+  expect_says(bad, {"warning: [correction]", "of 768 pixels count as bad", "correction.limit"});
+  EXPECT_NEAR(many["bad_pixels"].get<double>() / 768.0, 0.505, 0.054);
+}
+
 TEST_F(ChainCommand, BadInputSaysWhereAndWhat) {
   sensor("", "\"10 Me-\"", "\"10 mm\"");
   expect_refused("mtf simulate s.toml t300.exr -o out.exr", {"detector.full_well", "does not fit"});

@@ -575,6 +575,8 @@ SimulateResult simulate_sequence(const mtf::io::SensorConfig& sensor, SceneSourc
   report.sequence = std::move(facts);
   report.chain = frames.chain_report();
   watch.describe_integers(frames.written());
+  if (const std::string text = report.chain ? correction_warning(report.chain->correction) : ""; !text.empty())
+    watch.warn(text);
   result.names = output_names(frames.first_scene().names);
   result.images = std::move(frames.images());
   return result;

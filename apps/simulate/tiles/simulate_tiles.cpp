@@ -362,7 +362,9 @@ void run_tiles(
   report.tiles->tally = all.planned.plan.run(
       all.source.read, all.planned.surveys,
       [&](const mtf::Tile& tile, Planes planes) { all.chain.run(tile, planes, finite); }, all.run);
-  if (report.chain && report.chain->held.any()) all.watch.warn(words(report.chain->held));
+  if (!report.chain) return;
+  if (report.chain->held.any()) all.watch.warn(words(report.chain->held));
+  if (const std::string text = correction_warning(report.chain->correction); !text.empty()) all.watch.warn(text);
 }
 
 std::vector<mtf::Image> run_to_memory(TileRun& all) {

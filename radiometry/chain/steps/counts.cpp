@@ -87,11 +87,13 @@ std::span<const StageRow> count_rows() {
          const auto maps = correction_of(run);
          run.lap("flat frames");
          correct(counts.view(), *maps, run.threads);
+         run.frame.correction = maps;
          if (run.chain.settings.correction->replace_bad && !maps->bad.empty()) replace_bad(counts.view(), maps->bad);
        },
        .step_on_device = [](FrameRun& run, mtf::DeviceImage& counts) -> void {
          const auto maps = run.chain.correction(run.threads);
          counts.multiply_add({{maps, &maps->gain}}, {{maps, &maps->offset}});
+         run.frame.correction = maps;
        },
        // Flat frames take the filters of the chain, which wait for the device that this frame holds.
        .stays = [](const FrameRun& run) -> bool {

@@ -25,6 +25,7 @@ struct Place {
 struct TwoPoint {
   mtf::Image gain, offset;
   std::vector<Place> bad;  ///< they have gain 1 and offset 0, and are to be replaced
+  HeldPixels saturated{};  ///< of the flat frames, all together
 };
 
 /// From two flat frames, each the mean of many. A pixel is bad when a value is not finite or its response, hot minus
