@@ -90,7 +90,7 @@ SimulateResult simulate_whole(const SensorRun& sensor, SceneSource& source, cons
   frame.chain = chain_of(sensor, *frame.plan, options.threads);
   SimulatedImage& image = frame.image;
   image.planes = run_planes(frame, nullptr, options.threads);
-  if (const std::string failed = device_words(options.device); !failed.empty()) watch.warn(failed);
+  watch.warn(device_words(options.device));
   for (const mtf::Image& plane : image.planes) result.statistics.push_back(mtf::statistics(plane.view()));
   if (frame.tiles) report.tiles->tally = frame.tally;
   report.region = options.region;
@@ -100,7 +100,7 @@ SimulateResult simulate_whole(const SensorRun& sensor, SceneSource& source, cons
     if (report.chain->held.any())
       watch.warn(words(report.chain->held) +
                  (options.region ? ", counted in the whole image and not in --roi alone" : ""));
-    if (const std::string text = correction_warning(report.chain->correction); !text.empty()) watch.warn(text);
+    watch.warn(correction_warning(report.chain->correction));
   }
   watch.tell_stage("run");
 

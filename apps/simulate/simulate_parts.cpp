@@ -251,6 +251,7 @@ void RunWatch::note(const std::string& text) {
 }
 
 void RunWatch::warn(const std::string& text) {
+  if (text.empty()) return;
   report_.warnings.push_back(text);
   tell_warning(text);
 }

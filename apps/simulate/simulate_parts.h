@@ -106,7 +106,7 @@ class RunWatch {
   /// So much of a step is done. All of these throw Cancelled where the caller ends the run.
   void share(std::string_view step, double share) { tell({SimulateEvent::Kind::share, step, share}); }
   void note(const std::string& text);
-  void warn(const std::string& text);
+  void warn(const std::string& text);  ///< nothing where the text is ""
   /// How the values of a PNG or TIFF were scaled, in the report and as a note; nothing of other files.
   void describe_integers(const Written& written);
   /// A warning that is in the report already.

@@ -497,7 +497,7 @@ std::string saturation_warning(const SequenceReport& report) {
 std::int64_t run_frames(SequenceFrames& frames, int threads, RunWatch& watch) {
   const auto say = [&] {
     for (const std::string& text : frames.warnings()) watch.warn(text);
-    if (const std::string text = saturation_warning(frames.report()); !text.empty()) watch.warn(text);
+    watch.warn(saturation_warning(frames.report()));
     for (const std::string& text : frames.notes()) watch.note(text);
   };
   std::int64_t in_flight = 1;
@@ -558,7 +558,7 @@ SimulateResult simulate_sequence(const mtf::io::SensorConfig& sensor, SceneSourc
   SequenceFrames frames(options, run, std::move(schedule), names, std::move(scene), threads);
   const mtf::Stopwatch clock;
   const std::int64_t in_flight = run_frames(frames, threads, watch);
-  if (const std::string failed = device_words(options.device); !failed.empty()) watch.warn(failed);
+  watch.warn(device_words(options.device));
   const double seconds = clock.seconds();
 
   SequenceReport facts = frames.report();
@@ -575,8 +575,7 @@ SimulateResult simulate_sequence(const mtf::io::SensorConfig& sensor, SceneSourc
   report.sequence = std::move(facts);
   report.chain = frames.chain_report();
   watch.describe_integers(frames.written());
-  if (const std::string text = report.chain ? correction_warning(report.chain->correction) : ""; !text.empty())
-    watch.warn(text);
+  if (report.chain) watch.warn(correction_warning(report.chain->correction));
   result.names = output_names(frames.first_scene().names);
   result.images = std::move(frames.images());
   return result;

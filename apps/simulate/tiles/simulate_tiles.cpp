@@ -364,7 +364,7 @@ void run_tiles(
       [&](const mtf::Tile& tile, Planes planes) { all.chain.run(tile, planes, finite); }, all.run);
   if (!report.chain) return;
   if (report.chain->held.any()) all.watch.warn(words(report.chain->held));
-  if (const std::string text = correction_warning(report.chain->correction); !text.empty()) all.watch.warn(text);
+  all.watch.warn(correction_warning(report.chain->correction));
 }
 
 std::vector<mtf::Image> run_to_memory(TileRun& all) {
